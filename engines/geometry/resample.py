@@ -1,0 +1,22 @@
+"""Sampling a motion at another rate."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from engines.geometry import rotations
+
+
+def resample(turns: np.ndarray, path: np.ndarray, fps: float, new_fps: float) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations (T, J, 4) by slerp and root path (T, 3) linearly from `fps` to `new_fps`.
+
+    The new frames start at the first frame and stay within the last, so a clip of T frames gives
+    floor((T - 1) * new_fps / fps) + 1.
+    """
+    if len(turns) == 1:
+        return np.array(turns), np.array(path)
+    times = np.arange(len(turns)) / fps
+    count = int(np.floor((len(turns) - 1) * new_fps / fps + 1e-6)) + 1
+    new_times = np.minimum(np.arange(count) / new_fps, times[-1])
+    new_path = np.stack([np.interp(new_times, times, path[:, axis]) for axis in range(3)], axis=-1)
+    return rotations.slerp(times, turns, new_times), new_path
