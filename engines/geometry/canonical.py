@@ -78,15 +78,10 @@ def leg_length(skeleton: Skeleton) -> float:
     return float(np.mean(lengths))
 
 
-def sole_heights(positions: np.ndarray, skeleton: Skeleton) -> np.ndarray:
-    """(T, points) height of each foot joint's sole: the joint's height less that joint's height in the rest pose."""
-    joints = [skeleton.index(name) for foot in skeleton.feet for name in foot] or list(range(len(skeleton)))
-    return positions[:, joints, 1]
-
-
 def floor_height(positions: np.ndarray, skeleton: Skeleton) -> float:
     """Height of the floor under a motion: a low percentile of the lowest foot joint, less that joint's own clearance."""
-    lowest = sole_heights(positions, skeleton).min(axis=1)
+    feet = [skeleton.index(name) for foot in skeleton.feet for name in foot] or list(range(len(skeleton)))
+    lowest = positions[:, feet, 1].min(axis=1)
     return float(np.percentile(lowest, FLOOR_PERCENTILE)) - toe_clearance(skeleton)
 
 

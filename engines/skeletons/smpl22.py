@@ -46,8 +46,8 @@ SMPL22 = Skeleton(
     offsets=np.array([offset for _, _, offset in _TREE]),
     end_offsets={
         "head": np.array([0.0, 0.2057, -0.0015]),
-        "left_foot": np.array([0.0, -0.0144, 0.0562]),
-        "right_foot": np.array([0.0, -0.0144, 0.0562]),
+        "left_foot": np.array([0.0, -0.0277, 0.0562]),
+        "right_foot": np.array([0.0, -0.0277, 0.0562]),
         "left_wrist": np.array([0.11, 0.0, 0.0]),
         "right_wrist": np.array([-0.11, 0.0, 0.0]),
     },
