@@ -1,0 +1,188 @@
+"""The recurrent networks of Action2Motion: Gaussian prior and posterior, generator, and the heads behind it.
+
+Source: Guo et al. 2020, "Action2Motion", appendix table 3; thesis section 3.2.1, equations 3.7 and 3.8. Each network
+is a linear embedding, a stack of GRU layers and linear outputs. The weights live in `nn.GRU`: whole sequences whose
+inputs are all known (posterior, prior in training, teacher forcing) run in one fused call; where a frame needs the
+frame before it, `step` and `unroll` use the very same parameters one frame at a time.
+
+Letters: T frames, B batch, D input size, H hidden size, Z latent size, L layers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import torch
+from torch import Tensor, nn
+
+State = tuple[Tensor, ...]
+"""Hidden state of a GRU stack: one (B, H) tensor a layer. `None` stands for zeros."""
+
+
+class EmbeddedGRU(nn.Module):
+    """Linear embedding and a stack of GRU layers, no nonlinearity between them.
+
+    Args:
+        input_size: D, features of one frame.
+        hidden_size: H, of the embedding and of every layer.
+        layers: L, number of stacked GRU layers.
+    """
+
+    def __init__(self, input_size: int, hidden_size: int, layers: int) -> None:
+        super().__init__()
+        self.input_size, self.hidden_size, self.layers = input_size, hidden_size, layers
+        self.embed = nn.Linear(input_size, hidden_size)
+        self.gru = nn.GRU(hidden_size, hidden_size, layers)
+
+    def initial_state(self, batch: int) -> State:
+        """Zeros for `batch` sequences: L tensors (B, H)."""
+        return (self.embed.weight.new_zeros(batch, self.hidden_size),) * self.layers
+
+    def hidden_sequence(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, State]:
+        """All frames (T, B, D) in one fused call -> top-layer hidden (T, B, H) and the state after the last."""
+        start = None if state is None else torch.stack(tuple(state))
+        hidden, last = self.gru(self.embed(x), start)
+        return hidden, last.unbind(0)
+
+    def hidden_step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> State:
+        """One frame (B, D) -> the new state; its last entry is the top-layer hidden (B, H)."""
+        return self._stack_step(self.embed(x), state)
+
+    def _stack_step(self, value: Tensor, state: Sequence[Tensor] | None) -> State:
+        """One frame already embedded (B, H) through the GRU layers."""
+        state = self.initial_state(len(value)) if state is None else state
+        new = []
+        for weights, before in zip(self.gru.all_weights, state, strict=True):
+            value = torch.gru_cell(value, before, *weights)
+            new.append(value)
+        return tuple(new)
+
+
+class GaussianGRU(EmbeddedGRU):
+    """Prior or posterior network: a Gaussian over the latent of each frame (thesis equations 3.7, 3.8).
+
+    Args:
+        input_size: D, [pose, condition, (time)].
+        latent_size: Z.
+        hidden_size: H.
+        layers: L.
+    """
+
+    def __init__(self, input_size: int, latent_size: int, hidden_size: int, layers: int) -> None:
+        super().__init__(input_size, hidden_size, layers)
+        self.latent_size = latent_size
+        self.mu_net = nn.Linear(hidden_size, latent_size)
+        self.logvar_net = nn.Linear(hidden_size, latent_size)
+
+    def forward(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, Tensor, Tensor, State]:
+        """All frames at once.
+
+        Args:
+            x: (T, B, D).
+            state: of the frame before, zeros if None.
+
+        Returns:
+            mu (T, B, Z), logvar (T, B, Z), hidden (T, B, H) of the top layer, and the state after the last frame.
+        """
+        hidden, last = self.hidden_sequence(x, state)
+        return self.mu_net(hidden), self.logvar_net(hidden), hidden, last
+
+    def step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, Tensor, State]:
+        """One frame (B, D) -> mu (B, Z), logvar (B, Z), new state."""
+        state = self.hidden_step(x, state)
+        return self.mu_net(state[-1]), self.logvar_net(state[-1]), state
+
+
+class GeneratorGRU(EmbeddedGRU):
+    """Generator up to its hidden vector; a head (`PlainHead`, `LieHead`, ...) turns that into a pose.
+
+    The input is laid out [previous pose, condition, (time), z].
+
+    Args:
+        input_size: D.
+        hidden_size: H.
+        layers: L.
+    """
+
+    def forward(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, State]:
+        """All frames (T, B, D) at once -> hidden (T, B, H) and the state after the last frame."""
+        return self.hidden_sequence(x, state)
+
+    def step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, State]:
+        """One frame (B, D) -> hidden (B, H), new state."""
+        state = self.hidden_step(x, state)
+        return state[-1], state
+
+    def unroll(
+        self,
+        known: Tensor,
+        first: Tensor,
+        feed: Callable[[Tensor], Tensor],
+        state: Sequence[Tensor] | None = None,
+    ) -> tuple[Tensor, Tensor, State]:
+        """Frames one after another, each fed with what `feed` made of the frame before it.
+
+        Args:
+            known: (T, B, Dk) the inputs known beforehand, [condition, (time), z]; Dk = D - Dp.
+            first: (B, Dp) the pose before the first frame (zeros at the start of a motion).
+            feed: hidden (B, H) -> the pose (B, Dp) the next frame is fed with; usually a head.
+            state: of the frame before, zeros if None.
+
+        Returns:
+            hidden (T, B, H), fed poses (T, B, Dp) where entry t came out of frame t, and the last state.
+        """
+        pose_weight, known_weight = self.embed.weight.split([first.shape[-1], known.shape[-1]], dim=1)
+        ahead = torch.nn.functional.linear(known, known_weight, self.embed.bias)  # (T, B, H) in one product
+        pose_weight = pose_weight.t()
+        state = self.initial_state(len(first)) if state is None else tuple(state)
+        pose, hidden, poses = first, [], []
+        for known_part in ahead.unbind(0):
+            state = self._stack_step(torch.addmm(known_part, pose, pose_weight), state)
+            pose = feed(state[-1])
+            hidden.append(state[-1])
+            poses.append(pose)
+        return torch.stack(hidden), torch.stack(poses), tuple(state)
+
+
+class PlainHead(nn.Module):
+    """Hidden (..., H) -> joint positions (..., out), linear (thesis figure 3.4 a)."""
+
+    def __init__(self, hidden_size: int, out: int) -> None:
+        super().__init__()
+        self.output = nn.Linear(hidden_size, out)
+
+    def forward(self, hidden: Tensor) -> Tensor:
+        """(..., H) -> (..., out)."""
+        return self.output(hidden)
+
+
+class LieHead(nn.Module):
+    """Hidden (..., H) -> [root translation, axis-angle of every other joint] (..., 3 J), thesis figure 3.4 b.
+
+    The first three outputs are linear; the 3 J - 3 others go through tanh, a linear layer, tanh, and are times pi.
+
+    Args:
+        hidden_size: H.
+        joints: J, the root included.
+    """
+
+    ANGLE_LIMIT = math.pi
+    """Largest size of one axis-angle component, radians."""
+
+    def __init__(self, hidden_size: int, joints: int) -> None:
+        super().__init__()
+        self.joints = joints
+        self.output = nn.Linear(hidden_size, 3 * joints)
+        self.output_lie = nn.Linear(3 * joints - 3, 3 * joints - 3)
+
+    def forward(self, hidden: Tensor) -> Tensor:
+        """(..., H) -> (..., 3 J): metres for the first 3, radians for the rest."""
+        raw = self.output(hidden)
+        angles = torch.tanh(self.output_lie(torch.tanh(raw[..., 3:]))) * self.ANGLE_LIMIT
+        return torch.cat([raw[..., :3], angles], dim=-1)
+
+
+def sample_latent(mu: Tensor, logvar: Tensor, noise: Tensor) -> Tensor:
+    """The reparameterisation z = mu + exp(logvar / 2) * noise; all of one shape."""
+    return torch.addcmul(mu, torch.exp(0.5 * logvar), noise)
