@@ -1,0 +1,95 @@
+"""UTD-MHAD skeletons: MATLAB files with the 20 joints of a first Kinect, 30 frames a second (Chen et al. 2015).
+
+The Kinect sees the person from the front: X points to the person's right, Y up, Z away from the camera. Half a turn
+about Y makes it ours: left is +X, and the person faces +Z.
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import scipy.io
+
+from engines.errors import FormatError
+from engines.formats.files import check_size, read_bytes
+from engines.formats.registry import Format
+from engines.motion import Motion, Provenance
+from engines.skeletons import roles
+
+MAX_BYTES = 64 * 2**20
+"""No .mat file larger than this is read."""
+FPS = 30.0
+"""Frames a second of the Kinect."""
+VARIABLE = "d_skel"
+"""Name of the array in the file."""
+JOINTS = (
+    "head", "shoulder_center", "spine", "hip_center",
+    "left_shoulder", "left_elbow", "left_wrist", "left_hand",
+    "right_shoulder", "right_elbow", "right_wrist", "right_hand",
+    "left_hip", "left_knee", "left_ankle", "left_foot",
+    "right_hip", "right_knee", "right_ankle", "right_foot",
+)  # fmt: skip
+"""Joint names in the order of the file's rows."""
+
+
+def read_points(path: str | Path) -> tuple[dict[str, np.ndarray], float]:
+    """Joint positions of a UTD-MHAD skeleton file.
+
+    Returns:
+        joint name -> (T, 3) metres, Y up, facing about +Z, the Kinect at the origin; and frames a second, 30.
+
+    Raises:
+        FormatError: missing, damaged, or without a finite 20 x 3 x T array `d_skel`.
+    """
+    path = Path(path)
+    points = _load(path) * np.array([-1.0, 1.0, -1.0])
+    return {name: points[:, j] for j, name in enumerate(JOINTS)}, FPS
+
+
+def _load(path: Path) -> np.ndarray:
+    """(T, 20, 3) as in the file."""
+    data = read_bytes(path, MAX_BYTES)
+    try:
+        listed = {name: (shape, kind) for name, shape, kind in scipy.io.whosmat(io.BytesIO(data))}
+    except Exception as error:  # scipy's reader raises what the damage happens to lead to
+        raise FormatError(path, f"is no MATLAB file that can be read ({error}).") from error
+    shape, kind = listed.get(VARIABLE, ((), ""))
+    if len(shape) != 3 or shape[:2] != (len(JOINTS), 3) or shape[2] < 1 or kind not in ("double", "single"):
+        held = ", ".join(f"{name} {' x '.join(map(str, shape))} {kind}" for name, (shape, kind) in listed.items())
+        raise FormatError(path, f"holds {held or 'nothing'}; accepted: {VARIABLE}, 20 x 3 x frames, double.")
+    check_size(path, shape[2], len(JOINTS))
+    try:
+        points = scipy.io.loadmat(io.BytesIO(data), variable_names=[VARIABLE])[VARIABLE]
+    except Exception as error:  # as above
+        raise FormatError(path, f"{VARIABLE} cannot be read ({error}); is the file cut short?") from error
+    points = np.asarray(points)
+    if points.shape != tuple(shape) or points.dtype.kind != "f" or not np.isfinite(points).all():
+        raise FormatError(path, f"{VARIABLE} holds values that are not finite real numbers.")
+    return points.transpose(2, 0, 1).astype(np.float64)
+
+
+def read(path: str | Path) -> Motion:
+    """Read a UTD-MHAD skeleton file as a motion of `smpl22`, standing on the floor.
+
+    The Kinect gives places, not rotations, so these are found by `geometry.retarget.from_points`.
+
+    Raises:
+        FormatError: as `read_points`.
+    """
+    from engines.geometry import retarget
+
+    path = Path(path)
+    points, fps = read_points(path)
+    known = roles.recognise(JOINTS)
+    motion = retarget.from_points({role: points[joint] for role, joint in known.items()}, fps)
+    return motion.on_ground().replaced(provenance=Provenance(source=path.name, parameters={"format": "utd_mat"}))
+
+
+def sniff(path: Path, head: bytes) -> bool:
+    """Does the file begin as a MATLAB 5 file?"""
+    return head.startswith(b"MATLAB 5.0 MAT-file")
+
+
+FORMAT = Format("utd_mat", (".mat",), "UTD-MHAD Kinect skeleton", sniff, read)
