@@ -1,0 +1,141 @@
+"""Settings of Action2Motion, saved as JSON beside its weights."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, Literal
+
+from engines.errors import CheckpointError, UnknownLabelError
+
+Decoder = Literal["plain", "lie", "glmi-m", "glmi-r"]
+DECODERS: tuple[Decoder, ...] = ("plain", "lie", "glmi-m", "glmi-r")
+
+
+@dataclass(frozen=True)
+class Action2MotionConfig:
+    """Sizes, schedules and vocabulary. The defaults are the preset `paper` (thesis section 3.3)."""
+
+    decoder: Decoder = "glmi-m"
+    """Pose decoding: joint positions, Lie parameters, or Lie parameters with a GLMI unit (MLP or GRU)."""
+    actions: tuple[str, ...] = ()
+    """Labels in one-hot order."""
+    nominal_frames: tuple[int, ...] = ()
+    """Usual length of each action in model frames: how long one performance takes."""
+    fps: float = 20.0
+    """Rate at which the networks run; motions come out at the house rate."""
+    window: int = 60
+    """Frames of a training sequence."""
+    joints: int = 22
+    """J; the skeleton is smpl22."""
+
+    embed_size: int = 128
+    """Width of prior and posterior."""
+    generator_size: int = 128
+    """Width of the generator."""
+    latent_size: int = 30
+    """Z, dimensions of the noise at each frame."""
+    movement_size: int = 20
+    """Width of h°, what the GLMI unit hears from upstream besides the two poses."""
+    prior_layers: int = 1
+    posterior_layers: int = 1
+    generator_layers: int = 2
+    time_counter: bool = True
+    """Feed c_t, how much of the action is done, in 0..1."""
+
+    batch_size: int = 128
+    learning_rate: float = 2e-4
+    final_learning_rate: float = 2e-4
+    """Reached along a cosine at the last step."""
+    weight_decay: float = 1e-5
+    teacher_forcing: float = 0.6
+    """Share of the sequences that are fed the real previous poses."""
+    label_balance: float = 1.0
+    """Clips are drawn with probability proportional to count ** label_balance of their label: 1 as they come, 0 even."""
+    kl_weight: tuple[float, float] = (0.001, 0.01)
+    """lambda_kl at the first and from the last step of its linear rise."""
+    kl_rise: float = 1.0
+    """Share of the training over which it rises."""
+    alignment_weight: float = 10.0
+    """lambda_align on the root velocity, metres and radians a frame (GLMI; the other decoders learn it the same way)."""
+    rotation_weight: float = 0.0
+    """On rotation matrices: fixes the twists that joint positions leave free."""
+    velocity_weight: float = 0.0
+    """On how joints move from frame to frame, metres."""
+    contact_weight: float = 0.0
+    """On the world speed of feet that stand, metres a frame."""
+    normalise: bool = False
+    """Scale inputs to zero mean and unit variance."""
+    steps: int = 50_000
+    """Training steps that the schedules span."""
+
+    extra: Mapping[str, Any] = field(default_factory=dict)
+    """Notes that travel with the weights."""
+
+    @property
+    def pose_size(self) -> int:
+        """Features of one pose as the networks are fed it: root height and a 3-vector a joint (plain: without height)."""
+        return 3 * self.joints + (self.decoder != "plain")
+
+    @property
+    def condition_size(self) -> int:
+        """Action one-hot and time counter."""
+        return len(self.actions) + self.time_counter
+
+    def replaced(self, **changes: Any) -> Action2MotionConfig:
+        """A copy with some fields changed."""
+        return replace(self, **changes)
+
+    def to_json(self) -> str:
+        """Readable JSON."""
+        return json.dumps(asdict(self), indent=1)
+
+    @classmethod
+    def from_json(cls, text: str) -> Action2MotionConfig:
+        """The settings of a saved file.
+
+        Raises:
+            CheckpointError: unknown or missing fields.
+        """
+        values = json.loads(text)
+        unknown = set(values) - {f.name for f in fields(cls)}
+        if unknown:
+            raise CheckpointError(f"settings hold unknown fields {', '.join(sorted(unknown))}")
+        lists = {key: tuple(value) for key, value in values.items() if isinstance(value, list)}
+        return cls(**{**values, **lists})
+
+
+PAPER = Action2MotionConfig()
+"""Sizes, losses and schedule of the thesis."""
+
+SMALL = Action2MotionConfig(
+    fps=10.0,
+    window=40,
+    generator_size=256,
+    batch_size=128,
+    learning_rate=1e-3,
+    final_learning_rate=5e-5,
+    label_balance=0.5,
+    kl_weight=(0.001, 0.01),
+    kl_rise=0.5,
+    rotation_weight=1.0,
+    velocity_weight=1.0,
+    contact_weight=2.0,
+    normalise=True,
+    steps=40_000,
+)
+"""What ships: half the frame rate and a wider generator, more terms in the loss."""
+
+PRESETS = {"paper": PAPER, "small": SMALL}
+
+
+def preset(name: str) -> Action2MotionConfig:
+    """A named preset.
+
+    Raises:
+        UnknownLabelError: no such preset.
+    """
+    if name not in PRESETS:
+        raise UnknownLabelError("preset", name, PRESETS)
+    return PRESETS[name]
