@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from engines.errors import FormatError
-from engines.formats import bvh, utd_mat
+from engines.formats import amass, bvh, npz, utd_mat
 from engines.formats.files import atomic_path
 from engines.formats.registry import Format, by_name, check_options, find_reader, find_writer
 from engines.motion import Motion
 
-_FORMATS: tuple[Format, ...] = (bvh.FORMAT, utd_mat.FORMAT)
+_FORMATS: tuple[Format, ...] = (npz.FORMAT, amass.FORMAT, bvh.FORMAT, utd_mat.FORMAT)
 
 
 def formats() -> tuple[Format, ...]:
@@ -27,7 +27,7 @@ def formats() -> tuple[Format, ...]:
     return _FORMATS
 
 
-def read(path: str | Path, *, format: str | None = None, **options: Any) -> Motion:  # noqa: A002 - the word for it
+def read(path: str | Path, *, format: str | None = None, **options: Any) -> Motion:
     """Read a motion file.
 
     Args:
@@ -47,7 +47,7 @@ def read(path: str | Path, *, format: str | None = None, **options: Any) -> Moti
     return kind.read(path, **options)
 
 
-def write(motion: Motion, path: str | Path, *, format: str | None = None, **options: Any) -> Path:  # noqa: A002
+def write(motion: Motion, path: str | Path, *, format: str | None = None, **options: Any) -> Path:
     """Write a motion to a file, beside and renamed, so that a failure leaves nothing and harms nothing.
 
     Args:

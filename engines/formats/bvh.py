@@ -25,6 +25,7 @@ import numpy as np
 from engines.errors import FormatError
 from engines.formats import bvh_text
 from engines.formats.bvh_text import BvhText, Node
+from engines.formats.bvh_writer import write
 from engines.formats.files import read_bytes
 from engines.formats.registry import Format
 from engines.geometry import kinematics, rotations
@@ -85,8 +86,9 @@ def read(
     factor, parameters["unit"] = _unit(motion, known) if scale == "auto" else (float(scale), "given")
     parameters["scale"] = factor
     parameters["up"] = _upright_axis(motion, known) if up == "auto" else up
-    if averaged := _averaged(path, skeleton, places, factor, known, stretch):
+    if averaged := _averaged(skeleton, places, factor):
         parameters["averaged_positions"] = averaged
+        _check_stretch(path, averaged, known, stretch)
     if parameters["up"] == "z":
         motion = _z_up_to_y_up(motion, known)
     motion = _scaled(motion, factor)
@@ -168,27 +170,24 @@ def _fixed_offsets(places: np.ndarray) -> np.ndarray:
     return offsets
 
 
-def _averaged(
-    path: Path, skeleton: Skeleton, places: np.ndarray, factor: float, known: dict[str, str], stretch: str
-) -> dict[str, float]:
-    """Metres by which each joint that moves along its bone leaves its mean.
-
-    Raises:
-        FormatError: a joint of the body does so by more than `STRETCH_LIMIT`, unless `stretch` is "mean".
-    """
+def _averaged(skeleton: Skeleton, places: np.ndarray, factor: float) -> dict[str, float]:
+    """Metres by which each joint that moves along its bone leaves its mean."""
     still = _still(places)
     off = {name: _travel(places[:, j]) for j, name in enumerate(skeleton.joints) if j}
-    averaged = {name: round(travel * factor, 6) for name, travel in off.items() if travel > still}
-    worst = max((name for name in averaged if name in known.values()), key=averaged.__getitem__, default=None)
+    return {name: round(travel * factor, 6) for name, travel in off.items() if travel > still}
+
+
+def _check_stretch(path: Path, averaged: dict[str, float], known: dict[str, str], stretch: str) -> None:
+    """Refuse a file in which a joint of the body leaves its mean by more than `STRETCH_LIMIT`."""
+    body = [name for name in averaged if name in known.values()]
+    worst = max(body, key=averaged.__getitem__, default=None)
     if worst and averaged[worst] > STRETCH_LIMIT and stretch != "mean":
         raise FormatError(
             path,
             f"joint {worst!r} moves {averaged[worst]:.2f} m along its bone; accepted: bones of fixed length (pass "
             "stretch='mean' to read it with the mean length).",
         )
-    if averaged:
-        log.warning("%s: %d joints move along their bones; their mean place is used", path, len(averaged))
-    return averaged
+    log.warning("%s: %d joints move along their bones; their mean place is used", path, len(averaged))
 
 
 # ---- units and axes -----------------------------------------------------------------------------------
@@ -266,4 +265,4 @@ def sniff(path: Path, head: bytes) -> bool:
     return head.removeprefix(b"\xef\xbb\xbf").lstrip()[:9].upper() == b"HIERARCHY"
 
 
-FORMAT = Format("bvh", (".bvh",), "Biovision BVH", sniff, read)
+FORMAT = Format("bvh", (".bvh",), "Biovision BVH, Blender and motion capture programs", sniff, read, write)

@@ -92,7 +92,6 @@ class _Hierarchy:
 
     def __post_init__(self) -> None:
         self._tokens = self._scan()
-        self._pushed: list[str] = []
 
     def _scan(self) -> Iterator[str]:
         for match in _TOKEN.finditer(self.text):
@@ -105,7 +104,7 @@ class _Hierarchy:
         return FormatError(self.path, problem, line or self.line)
 
     def next(self, accepted: str) -> str:
-        token = self._pushed.pop() if self._pushed else next(self._tokens, None)
+        token = next(self._tokens, None)
         if token is None:
             raise self.fail(f"the file ends inside the HIERARCHY; accepted next: {accepted}.")
         return token
@@ -139,7 +138,7 @@ class _Hierarchy:
         words, line = [], self.line
         while (token := self.next("the joint's name and {")) != "{":
             line = line if words else self.line
-            if token == "}" or words and token.upper() in _KEYWORDS:
+            if token == "}" or (words and token.upper() in _KEYWORDS):
                 raise self.fail(f"{_shown(token)} where the {{ of joint {_shown(' '.join(words))} is expected.")
             words.append(token)
         name = " ".join(words)

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from engines.errors import FormatError
 
-MAX_FILE_BYTES = 512 * 2**20
-"""No motion file larger than this is read: an hour of 52 joints at 120 fps as text is about this long."""
+MAX_FILE_BYTES = 256 * 2**20
+"""No motion file larger than this is read; as BVH text, three quarters of an hour of 31 joints at 120 fps."""
 MAX_JOINTS = 2_000
 """No skeleton with more joints than this is read."""
 MAX_JOINT_FRAMES = 12_000_000

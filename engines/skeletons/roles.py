@@ -2,7 +2,7 @@
 
 The parts, here *roles*, are the joints of `smpl22`. The names understood are those of CMU (BVH and ASF), Mixamo,
 MotionBuilder, Bandai-Namco, SMPL, HumanML3D, 3ds Max Biped, Blender Rigify, Unreal, VRM, Poser and DAZ (as in the
-cgspeed files) and Kinect; any name made of a side and a common word for the joint works.
+cgspeed files), Xsens and Kinect; any name made of a side and a common word for the joint works.
 
 Two conventions are settled by what else is there: "shoulder" is the collar bone where the arm has a joint of its own
 (`LeftShoulder`, `LeftArm`) and the shoulder where not (`left_collar`, `left_shoulder`; Kinect); "foot" is the toe
@@ -27,30 +27,33 @@ Side = str
 
 _NAMESPACE = re.compile(r"^.*[:|]")
 _PREFIX = re.compile(
-    r"^(mixamorig\d*|bip\d*|valvebiped|character\d*|j_bip|def|org|mch|ctrl|m_avg|m|f_avg|f|joint|b|bone|bn|jnt|sk)[\s_.\-]+",
+    r"^(mixamorig\d*[\s_.\-]*|(bip\d*|valvebiped|character\d*|j_bip|def|org|mch|ctrl|[mf]_avg|joint|bone|bn|jnt)[\s_.\-]+)",
     re.IGNORECASE,
 )
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _SIDES = {"left": "left", "l": "left", "lft": "left", "right": "right", "r": "right", "rt": "right", "rgt": "right"}
-_CENTRE = {"c", "m", "mid", "center", "centre"}
+_CENTRE = {"c", "mid"}
 
 _LIMBS: dict[str, tuple[str, ...]] = {
     # role without its side -> words that name it, the surest first
-    "hip": ("upleg", "upperleg", "thigh", "legupper", "uleg", "femur", "hip", "buttock"),
-    "knee": ("knee", "lowerleg", "leglower", "lleg", "calf", "shin", "tibia", "leg"),
-    "ankle": ("ankle", "foot", "talus"),
-    "foot": ("toebase", "toes", "toe", "toe0", "toe1", "toebase1", "ball", "ballfoot"),
-    "collar": ("collar", "clavicle", "collarbone", "scapula", "shoulder"),
-    "shoulder": ("upperarm", "uparm", "armupper", "uarm", "humerus", "shldr", "arm", "shoulder"),
-    "elbow": ("elbow", "lowerarm", "armlower", "larm", "forearm", "radius", "lowarm"),
+    "hip": ("upleg", "upperleg", "thigh", "thighbend", "legupper", "femur", "hip", "buttock"),
+    "knee": ("knee", "lowerleg", "lowleg", "leglower", "calf", "shin", "tibia", "leg"),
+    "ankle": ("ankle", "foot"),
+    "foot": ("toebase", "toes", "toe", "toe0", "ball"),
+    "collar": ("collar", "clavicle", "shoulder"),
+    "shoulder": ("upperarm", "uparm", "armupper", "humerus", "shldr", "shldrbend", "arm", "shoulder"),
+    "elbow": ("elbow", "lowerarm", "lowarm", "armlower", "forearm", "forearmbend", "radius"),
     "wrist": ("wrist", "hand"),
 }
-_PELVIS = ("pelvis", "hips", "hip", "hipcenter", "hipcentre", "spinebase", "root", "centerhip", "midhip")
+_PELVIS = ("pelvis", "hips", "hip", "hipcenter", "hipcentre", "spinebase", "root")
 _SPINE = re.compile(
-    r"(spine|chest|upperchest|abdomen|torso|thorax|lowerback|upperback|midback|waist|back|belly|spinemid)\d*"
+    r"(spine|chest|chestlower|chestupper|upperchest|abdomen|abdomenlower|abdomenupper|torso|thorax|lowerback|upperback"
+    r"|back|waist)\d*"
 )
-_NECK = re.compile(r"(neck|lowerneck|upperneck|shouldercenter|shouldercentre|spineshoulder|cervical)\d*")
-_HEAD = ("head", "skull")
+_NECK = re.compile(r"(neck|lowerneck|upperneck|necklower|neckupper|shouldercenter|shouldercentre|spineshoulder)\d*")
+_HEAD = ("head",)
+_SMALL_SIDED = {*(word for words in _LIMBS.values() for word in words), "hipjoint", "thumb", "fingers"}
+"""What may follow a small l or r without a break: lfemur, rfingers."""
 
 
 def split_name(joint: str) -> tuple[Side, str]:
@@ -68,12 +71,6 @@ def split_name(joint: str) -> tuple[Side, str]:
         if key.startswith(letter) and key[1:] in _SMALL_SIDED:
             return side, key[1:]
     return "", key
-
-
-_SMALL_SIDED = {
-    *(word for words in _LIMBS.values() for word in words),
-    "hipjoint", "thumb", "fingers", "fingerbase",
-}  # fmt: skip
 
 
 def recognise(joints: Iterable[str]) -> dict[str, str]:
