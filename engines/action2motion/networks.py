@@ -12,9 +12,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import linear
 
 State = tuple[Tensor, ...]
 """Hidden state of a GRU stack: one (B, H) tensor a layer. `None` stands for zeros."""
@@ -47,16 +49,22 @@ class EmbeddedGRU(nn.Module):
 
     def hidden_step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> State:
         """One frame (B, D) -> the new state; its last entry is the top-layer hidden (B, H)."""
-        return self._stack_step(self.embed(x), state)
+        state = self.initial_state(len(x)) if state is None else state
+        return stack_step(self.embed(x), state, self.gru.all_weights)
 
-    def _stack_step(self, value: Tensor, state: Sequence[Tensor] | None) -> State:
-        """One frame already embedded (B, H) through the GRU layers."""
-        state = self.initial_state(len(value)) if state is None else state
-        new = []
-        for weights, before in zip(self.gru.all_weights, state, strict=True):
-            value = torch.gru_cell(value, before, *weights)
-            new.append(value)
-        return tuple(new)
+
+def stack_step(value: Tensor, state: Sequence[Tensor], weights: Sequence[Sequence[Tensor]]) -> State:
+    """One embedded frame (B, H) through GRU layers whose parameters are `nn.GRU.all_weights` -> the new state.
+
+    `torch.gru_cell` on the parameters of `nn.GRU` is within a few per cent of the best that eager torch does at any
+    batch size, backward included (`benchmarks/gru_step.py`); loops take `all_weights` once, as asking for it costs
+    as much as a product at batch 1.
+    """
+    new = []
+    for layer, before in zip(weights, state, strict=True):
+        value = torch.gru_cell(value, before, *layer)
+        new.append(value)
+    return tuple(new)
 
 
 class GaussianGRU(EmbeddedGRU):
@@ -133,16 +141,16 @@ class GeneratorGRU(EmbeddedGRU):
             hidden (T, B, H), fed poses (T, B, Dp) where entry t came out of frame t, and the last state.
         """
         pose_weight, known_weight = self.embed.weight.split([first.shape[-1], known.shape[-1]], dim=1)
-        ahead = torch.nn.functional.linear(known, known_weight, self.embed.bias)  # (T, B, H) in one product
-        pose_weight = pose_weight.t()
+        ahead = linear(known, known_weight, self.embed.bias)  # (T, B, H) in one product
+        pose_weight, weights = pose_weight.t(), self.gru.all_weights
         state = self.initial_state(len(first)) if state is None else tuple(state)
         pose, hidden, poses = first, [], []
         for known_part in ahead.unbind(0):
-            state = self._stack_step(torch.addmm(known_part, pose, pose_weight), state)
+            state = stack_step(torch.addmm(known_part, pose, pose_weight), state, weights)
             pose = feed(state[-1])
             hidden.append(state[-1])
             poses.append(pose)
-        return torch.stack(hidden), torch.stack(poses), tuple(state)
+        return torch.stack(hidden), torch.stack(poses), state
 
 
 class PlainHead(nn.Module):
@@ -186,3 +194,71 @@ class LieHead(nn.Module):
 def sample_latent(mu: Tensor, logvar: Tensor, noise: Tensor) -> Tensor:
     """The reparameterisation z = mu + exp(logvar / 2) * noise; all of one shape."""
     return torch.addcmul(mu, torch.exp(0.5 * logvar), noise)
+
+
+@dataclass
+class Rollout:
+    """What `rollout` computed, frame by frame, and the states to go on from."""
+
+    poses: Tensor
+    """(T, B, Dp) what `feed` made of each frame, which is what the next frame was fed with."""
+    hidden: Tensor
+    """(T, B, H) top-layer hidden of the generator."""
+    z: Tensor
+    """(T, B, Z) latent drawn from the prior."""
+    mu: Tensor
+    """(T, B, Z) mean of the prior."""
+    logvar: Tensor
+    """(T, B, Z) logarithm of its variance."""
+    prior_state: State
+    """Of the prior after the last frame."""
+    generator_state: State
+    """Of the generator after the last frame."""
+
+
+def rollout(  # noqa: PLR0913, PLR0917 - two networks, their inputs and their states
+    prior: GaussianGRU,
+    generator: GeneratorGRU,
+    feed: Callable[[Tensor], Tensor],
+    condition: Tensor,
+    noise: Tensor,
+    first: Tensor,
+    prior_state: Sequence[Tensor] | None = None,
+    generator_state: Sequence[Tensor] | None = None,
+) -> Rollout:
+    """Generation: z from the learned prior, pose from the generator, both fed with the pose before.
+
+    Equals `prior.step`, `sample_latent`, `generator.step` and `feed` for each frame; what the condition adds to both
+    embeddings is one product for all frames.
+
+    Args:
+        prior: its input is [previous pose, condition].
+        generator: its input is [previous pose, condition, z].
+        feed: generator hidden (B, H) -> pose (B, Dp), usually a head.
+        condition: (T, B, Dc) condition of each frame, time counter included where there is one.
+        noise: (T, B, Z) standard normal draws; zeros give the most likely latents.
+        first: (B, Dp) the pose before the first frame (zeros at the start of a motion).
+        prior_state: of the frame before, zeros if None.
+        generator_state: of the frame before, zeros if None.
+    """
+    sizes = [first.shape[-1], condition.shape[-1]]
+    prior_pose, prior_known = prior.embed.weight.split(sizes, dim=1)
+    pose_weight, known_weight, z_weight = generator.embed.weight.split([*sizes, prior.latent_size], dim=1)
+    prior_ahead = linear(condition, prior_known, prior.embed.bias)
+    ahead = linear(condition, known_weight, generator.embed.bias)
+    prior_pose, fed_weight = prior_pose.t(), torch.cat([pose_weight, z_weight], dim=1).t()
+    heads = torch.cat([prior.mu_net.weight, prior.logvar_net.weight]).t()
+    heads_bias = torch.cat([prior.mu_net.bias, prior.logvar_net.bias])
+    prior_weights, weights = prior.gru.all_weights, generator.gru.all_weights
+    upper = prior.initial_state(len(first)) if prior_state is None else tuple(prior_state)
+    lower = generator.initial_state(len(first)) if generator_state is None else tuple(generator_state)
+    pose, made = first, []
+    for prior_part, part, eps in zip(prior_ahead.unbind(0), ahead.unbind(0), noise.unbind(0), strict=True):
+        upper = stack_step(torch.addmm(prior_part, pose, prior_pose), upper, prior_weights)
+        mu, logvar = torch.addmm(heads_bias, upper[-1], heads).chunk(2, dim=1)
+        z = sample_latent(mu, logvar, eps)
+        lower = stack_step(torch.addmm(part, torch.cat([pose, z], dim=1), fed_weight), lower, weights)
+        pose = feed(lower[-1])
+        made.append((pose, lower[-1], z, mu, logvar))
+    poses, hidden, drawn, mean, spread = (torch.stack(parts) for parts in zip(*made, strict=True))
+    return Rollout(poses, hidden, drawn, mean, spread, upper, lower)
