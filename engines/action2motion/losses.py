@@ -49,7 +49,8 @@ def losses(
         # eq. 3.10: prior against posterior, nats a frame
         "kl": kl_weight(config, step) * gaussian_kl(mu_q, logvar_q, mu_p, logvar_p).sum(-1).mean(),
         # eq. 3.10: root velocity
-        "alignment": config.alignment_weight * (poses.velocity - batch.velocity).square().sum(-1).add(1e-8).sqrt().mean(),
+        "alignment": config.alignment_weight
+        * (poses.velocity - batch.velocity).square().sum(-1).add(1e-8).sqrt().mean(),
     }
     if config.rotation_weight and poses.matrices is not None:
         # chordal distance of local rotations: joint positions say nothing of twist
@@ -73,6 +74,4 @@ def kl_weight(config: Action2MotionConfig, step: int) -> float:
 
 def gaussian_kl(mu_q: Tensor, logvar_q: Tensor, mu_p: Tensor, logvar_p: Tensor) -> Tensor:
     """KL(q || p) of diagonal Gaussians, elementwise, nats."""
-    return 0.5 * (
-        logvar_p - logvar_q + (torch.exp(logvar_q) + (mu_q - mu_p).square()) * torch.exp(-logvar_p) - 1.0
-    )
+    return 0.5 * (logvar_p - logvar_q + (torch.exp(logvar_q) + (mu_q - mu_p).square()) * torch.exp(-logvar_p) - 1.0)

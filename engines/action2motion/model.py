@@ -156,18 +156,20 @@ class Action2Motion(nn.Module):
         mu_q, logvar_q, _, _ = self.posterior(torch.cat([real, conditions], dim=-1))
         known = torch.cat([conditions, sample_latent(mu_q, logvar_q, noise)], dim=-1)
         before = torch.cat([torch.zeros_like(real[:1]), real[:-1]])
-        hidden, fed = [], []
-        if forced:
+        if self.config.detached_feed:
+            with torch.no_grad():
+                own = self.generator.unroll(known[:, forced:], torch.zeros_like(real[0, forced:]), self.feed)[1]
+            before = torch.cat([before[:, :forced], torch.cat([torch.zeros_like(own[:1]), own[:-1]])], dim=1)
+            hidden = self.generator(torch.cat([before, known], dim=-1))[0]
+        else:
             rows = torch.cat([before[:, :forced], known[:, :forced]], dim=-1)
-            hidden.append(self.generator(rows)[0])
-            fed.append(before[:, :forced])
-        if forced < real.shape[1]:
-            own, poses, _ = self.generator.unroll(known[:, forced:], torch.zeros_like(real[0, forced:]), self.feed)
-            hidden.append(own)
-            fed.append(torch.cat([torch.zeros_like(poses[:1]), poses[:-1]]))
-        mu_p, logvar_p, _, _ = self.prior(torch.cat([torch.cat(fed, dim=1), conditions], dim=-1))
+            led = self.generator(rows)[0]
+            free, own, _ = self.generator.unroll(known[:, forced:], torch.zeros_like(real[0, forced:]), self.feed)
+            before = torch.cat([before[:, :forced], torch.cat([torch.zeros_like(own[:1]), own[:-1]])], dim=1)
+            hidden = torch.cat([led, free], dim=1)
+        mu_p, logvar_p, _, _ = self.prior(torch.cat([before, conditions], dim=-1))
         shown = torch.cat([real_positions[:1], real_positions[:-1]])[:, :forced]
-        return self.decode(torch.cat(hidden, dim=1), shown), (mu_q, logvar_q, mu_p, logvar_p)
+        return self.decode(hidden, shown), (mu_q, logvar_q, mu_p, logvar_p)
 
     def sample(self, conditions: Tensor, noise: Tensor, given: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw from the prior, frame after frame.

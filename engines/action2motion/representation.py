@@ -77,7 +77,7 @@ def local_positions(height: Tensor, lie: Tensor) -> tuple[Tensor, Tensor]:
     """
     matrices = rotvec_to_rotmat(lie)
     root = torch.nn.functional.pad(height, (1, 1))
-    offsets = torch.as_tensor(SMPL22.offsets, dtype=lie.dtype, device=lie.device)
+    offsets = torch.tensor(SMPL22.offsets, dtype=lie.dtype, device=lie.device)
     return kinematics.forward_kinematics(matrices, root, offsets, SMPL22.parents)[0], matrices
 
 

@@ -70,10 +70,9 @@ class CMU:
         facts = re.search(r"\[fps ([\d.]+), tpose (\w+)\]", clip.text or "")
         if facts:
             motion = motion.replaced(fps=float(facts[1]))
-        if facts and facts[2] == "True":
-            moved = motion.retarget(SMPL22, reference="first")[1:]
-        else:
-            moved = motion.retarget(SMPL22, reference="rest")
+        reference = "first" if facts and facts[2] == "True" else "rest"
+        # the others' rest pose is upright, and their first frame too is a T-pose that is no part of the motion
+        moved = motion.retarget(SMPL22, reference=reference)[1:]
         labels = (Segment(0, len(moved), "action", clip.action),) if clip.action else ()
         return to_house(moved.replaced(labels=labels))
 

@@ -7,7 +7,7 @@ scalar-first quaternion order. The torch counterpart is the `roma` library.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
@@ -166,12 +166,21 @@ def continuous(quaternion: np.ndarray) -> np.ndarray:
 
 
 def slerp(times: np.ndarray, quaternion: np.ndarray, new_times: np.ndarray) -> np.ndarray:
-    """Spherical interpolation of (T, J, 4) wxyz given at increasing `times` (T,) to `new_times` (N,) -> (N, J, 4)."""
-    tracks = [
-        Slerp(times, Rotation.from_quat(quaternion[:, j], scalar_first=True))(new_times).as_quat(scalar_first=True)
-        for j in range(quaternion.shape[1])
-    ]
-    return np.stack(tracks, axis=1)
+    """Spherical interpolation of (T, J, 4) wxyz given at increasing `times` (T,) to `new_times` (N,) -> (N, J, 4).
+
+    Written out because scipy's Slerp takes one track at a time.
+    """
+    after = np.clip(np.searchsorted(times, new_times, side="right"), 1, len(times) - 1)
+    share = np.clip((new_times - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0)[:, None]
+    start, end = quaternion[after - 1], quaternion[after]
+    cosine = (start * end).sum(-1)
+    end = np.where(cosine[..., None] < 0, -end, end)
+    theta = np.arccos(np.clip(np.abs(cosine), 0.0, 1.0))
+    small = theta < 1e-6
+    sine = np.where(small, 1.0, np.sin(theta))
+    first = np.where(small, 1.0 - share, np.sin((1.0 - share) * theta) / sine)
+    second = np.where(small, share, np.sin(share * theta) / sine)
+    return normalise(first[..., None] * start + second[..., None] * end)
 
 
 def yaw_quaternion(yaw: np.ndarray) -> np.ndarray:
