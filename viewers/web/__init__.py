@@ -1,0 +1,1 @@
+"""The browser player: one three.js bundle for Jupyter, Panel and plain HTML pages."""

@@ -1,0 +1,59 @@
+"""The player as a Jupyter widget."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import anywidget
+import traitlets
+
+from viewers import bodies
+from viewers.bodies.body import Body
+from viewers.web.controls import BUNDLE, OPTIONS, Motions, Option, Player, check_option
+
+
+def trait(option: Option) -> traitlets.TraitType:
+    """The synchronised trait of an option."""
+    default, bounds = option.default, option.bounds or (None, None)
+    if option.choices:
+        made = traitlets.Enum(option.choices, default, help=option.doc)
+    elif isinstance(default, bool):
+        made = traitlets.Bool(default, help=option.doc)
+    elif isinstance(default, int):
+        made = traitlets.Int(default, min=bounds[0], max=bounds[1], help=option.doc)
+    elif isinstance(default, float):
+        made = traitlets.Float(default, min=bounds[0], max=bounds[1], help=option.doc)
+    elif isinstance(default, bytes):
+        made = traitlets.Bytes(default, help=option.doc)
+    elif isinstance(default, list):
+        made = traitlets.List(traitlets.Int(), default, help=option.doc)
+    else:
+        made = traitlets.Unicode(default, help=option.doc)
+    return made.tag(sync=True)
+
+
+_Traits: Any = type("_Traits", (anywidget.AnyWidget,), {name: trait(option) for name, option in OPTIONS.items()})
+
+
+class MotionPlayer(_Traits, Player):
+    """Plays motions in a notebook: body, skeleton, ghosts, timeline, all in the browser.
+
+    Every attribute of `Controls` is a trait: set it, or `observe` what the person does.
+    """
+
+    _esm = BUNDLE
+    height = traitlets.Int(480, min=120, help="Height in pixels.").tag(sync=True)
+
+    def __init__(
+        self,
+        motions: Motions,
+        body: str | Body | None = bodies.DEFAULT,
+        labels: Sequence[str] | None = None,
+        height: int = 480,
+        **options: Any,
+    ) -> None:
+        known = set(self.trait_names())
+        super().__init__(height=height, **{name: check_option(name, value, known) for name, value in options.items()})
+        self._body = body
+        self.show_motions(motions, labels)

@@ -1,0 +1,318 @@
+// MotionPlayer: figures on a stage, a clock, and options that any side may change.
+import { Raycaster, Vector2, Vector3 } from "three";
+import { Actor } from "./actor.js";
+import { Cameraman } from "./cameraman.js";
+import { Clock } from "./clock.js";
+import { coverOf, floorWay } from "./ways.js";
+import { OPTIONS, defaults, same } from "./options.js";
+import { decodeBody, decodeTakes } from "./payload.js";
+import { makeBodyGeometry } from "./skin.js";
+import { Stage } from "./stage.js";
+import { resolveTheme } from "./theme.js";
+
+const TOGETHER = 2.6; // metres from their middle up to which figures are followed as a group
+
+/**
+ * Events (addEventListener): "option" {name, value} when an option changed by itself or by hand,
+ * "tick" for every picture, "settle" when a still frame was reached (pause, step, end of scrubbing), "takes".
+ */
+export class MotionPlayer extends EventTarget {
+  constructor(canvas) {
+    super();
+    this.options = defaults();
+    this.clock = new Clock();
+    this.actors = [];
+    this.body = null;
+    this.geometry = null;
+    this.hovered = -1;
+    this.stage = new Stage(canvas, (elapsed) => this.#advance(elapsed));
+    this.cameraman = new Cameraman(this.stage.camera, canvas, {
+      changed: () => this.stage.invalidate(),
+      taken: () => this.#handOnCamera(),
+    });
+    this.setTheme();
+  }
+
+  // ---- what is shown ------------------------------------------------------------------------------
+
+  setBody(data) {
+    this.body = decodeBody(data);
+    this.geometry?.dispose();
+    this.geometry = this.body && makeBodyGeometry(this.body);
+    if (this.actors.length) this.#stageTakes(this.actors.map((actor) => actor.take));
+  }
+
+  /** New takes: from the first frame on, framed anew. */
+  setTakes(data) {
+    const takes = decodeTakes(data);
+    const first = this.actors.length === 0;
+    this.#stageTakes(takes);
+    const fps = takes[0]?.fps ?? 20;
+    const seconds = Math.max(0, ...takes.map((take) => take.frames / take.fps));
+    this.clock.at = 0;
+    this.clock.cover(fps, Math.round(seconds * fps));
+    this.#option("selection", []);
+    this.#option("selected", Math.min(this.options.selected, takes.length - 1));
+    this.#pose();
+    if (takes.length && this.options.camera === "orbit" && this.cameraman.tooLong) this.#option("camera", "follow");
+    this.#reframe({ glide: !first, home: first });
+    this.#announce("takes");
+    this.#announce("settle");
+  }
+
+  #stageTakes(takes) {
+    for (const actor of this.actors) {
+      this.stage.scene.remove(actor.object);
+      actor.dispose();
+    }
+    this.actors = takes.map((take) => new Actor(take, this.#fits(take) ? this.body : null, this.#fits(take) ? this.geometry : null));
+    this.actors.forEach((actor) => this.stage.scene.add(actor.object));
+    this.#arrange();
+    this.#restyle();
+  }
+
+  #fits(take) {
+    return this.body !== null && String(this.body.skeleton.joints) === String(take.skeleton.joints);
+  }
+
+  /** Side by side along x, the first on the viewer's left, or all in one place; each take's own offset on top. */
+  #arrange() {
+    const { arrangement, spacing, mirror, in_place: inPlace } = this.options;
+    const ways = this.actors.map(({ take }) => floorWay(take, { mirror, inPlace }));
+    this.actors.forEach((actor, i) => {
+      const aside = arrangement === "side" && this.actors.length > 1;
+      const x = aside ? (i - (this.actors.length - 1) / 2) * spacing - ways[i][0] : 0;
+      const [dx, dy, dz] = actor.take.offset;
+      actor.object.position.set(x + dx, dy, dz);
+    });
+    if (!ways.length) return;
+    const { bounds, spread } = coverOf(ways, this.actors.map(({ take }) => take.fps), this.actors.map((actor) => actor.object.position));
+    this.together = spread <= TOGETHER;
+    this.cameraman.cover(bounds, this.together ? spread : 0);
+  }
+
+  // ---- options ------------------------------------------------------------------------------------
+
+  /** Sets an option to a value from any side; what is not accepted is left alone. Returns whether it changed. */
+  set(name, value) {
+    if (name === "frame") return this.seek(value);
+    const clean = OPTIONS[name]?.clean(value);
+    return clean !== undefined && this.#option(name, clean);
+  }
+
+  toggle(name) {
+    return this.set(name, !this.options[name]);
+  }
+
+  #option(name, value) {
+    if (same(this.options[name], value)) return false;
+    this.options[name] = value;
+    this.#apply(name);
+    this.dispatchEvent(new CustomEvent("option", { detail: { name, value } }));
+    return true;
+  }
+
+  #apply(name) {
+    const { options, clock } = this;
+    if (name === "playing") this.#playOrPause();
+    else if (name === "speed" || name === "loop") clock[name] = options[name];
+    else if (name === "selection") this.#select();
+    else if (name === "camera") this.#aim();
+    else if (name === "theme") this.setTheme();
+    else if (["in_place", "mirror", "arrangement", "spacing"].includes(name)) {
+      this.#arrange();
+      this.#pose();
+      if (name !== "mirror") this.#reframe();
+    }
+    this.#restyle();
+    this.stage.invalidate();
+  }
+
+  #select() {
+    const [start, end] = this.options.selection;
+    this.clock.selection = end === undefined ? null : [Math.min(start, this.clock.frames - 1), Math.min(end, this.clock.frames)];
+  }
+
+  setTheme() {
+    this.themeName = resolveTheme(this.options.theme);
+    this.stage.paint(this.themeName);
+    this.#restyle();
+  }
+
+  #restyle() {
+    const { options } = this;
+    const several = this.actors.length > 1;
+    this.actors.forEach((actor, i) => {
+      const state = { ...this.#poseOptions(), selected: i === options.selected, hovered: i === this.hovered, several };
+      actor.style({ ...state, trail: options.trail, contacts: options.contacts }, this.stage.theme);
+    });
+    this.stage.floor.object.visible = options.floor;
+    this.restyled = true;
+    this.stage.invalidate();
+  }
+
+  #poseOptions() {
+    const { show, ghosts, mirror, in_place: inPlace } = this.options;
+    return { show, ghosts, mirror, inPlace };
+  }
+
+  // ---- time ---------------------------------------------------------------------------------------
+
+  get frame() {
+    return this.clock.frame;
+  }
+
+  /** Goes to a frame. `settled` is false while a hand still drags the playhead. */
+  seek(frame, { settled = true } = {}) {
+    const before = this.clock.at;
+    this.clock.seek(frame);
+    this.jumped = true;
+    this.stage.invalidate();
+    if (settled) this.#announce("settle");
+    return before !== this.clock.at;
+  }
+
+  /** Steps by whole frames and stays there. */
+  step(by) {
+    this.set("playing", false);
+    this.seek(this.frame + by);
+  }
+
+  #playOrPause() {
+    const { clock, options } = this;
+    if (options.playing) clock.rewindIfDone();
+    else clock.seek(clock.frame);
+    clock.playing = options.playing;
+    if (!options.playing) this.#announce("settle");
+  }
+
+  #advance(elapsed) {
+    const { clock } = this;
+    if (clock.playing && clock.advance(elapsed)) this.#option("playing", false);
+    this.#pose();
+    const subject = this.subject;
+    const gliding = this.cameraman.update(this.jumped && !clock.playing ? 0 : elapsed || 1 / 60, subject);
+    this.jumped = false;
+    this.stage.lightAround(...this.#lit());
+    this.dispatchEvent(new CustomEvent("tick"));
+    return clock.playing || gliding;
+  }
+
+  #pose() {
+    const seconds = this.clock.shown / this.clock.fps;
+    const pixels = this.stage.canvas.height / (2 * Math.tan((this.stage.camera.fov * Math.PI) / 360));
+    for (const actor of this.actors) {
+      actor.update(seconds, this.#poseOptions(), this.stage.camera, this.stage.theme, pixels);
+    }
+  }
+
+  /** What the camera follows: the middle of the figures while they stay together, else the picked one. */
+  get subject() {
+    if (!this.actors.length) return new Vector3(0, 0.9, 0);
+    if (!this.together) return (this.actors[this.options.selected] ?? this.actors[0]).root;
+    const middle = new Vector3();
+    this.actors.forEach((actor) => middle.add(actor.root));
+    return middle.divideScalar(this.actors.length);
+  }
+
+  #lit() {
+    const centre = new Vector3();
+    this.actors.forEach((actor) => centre.add(actor.root));
+    centre.divideScalar(Math.max(this.actors.length, 1)).setY(0);
+    const reach = Math.max(0, ...this.actors.map((actor) => Math.hypot(actor.root.x - centre.x, actor.root.z - centre.z)));
+    return [centre, reach + 1.7];
+  }
+
+  // ---- camera and picking -------------------------------------------------------------------------
+
+  // After the option `camera` changed: orbit leaves the picture as it is, follow turns to the subject.
+  #aim() {
+    const { camera } = this.options;
+    if (camera === "follow") this.cameraman.tracking = true;
+    if (camera === "orbit") this.cameraman.tracking = false;
+    this.cameraman.subject.copy(this.subject);
+    if (!this.cameraman.bounds) return;
+    if (camera === "follow") this.cameraman.turnToSubject();
+    else if (camera !== "orbit") this.cameraman.look(camera);
+  }
+
+  // After what there is to see changed.
+  #reframe({ glide = true, home = false } = {}) {
+    const { camera } = this.options;
+    this.cameraman.subject.copy(this.subject);
+    if (!this.cameraman.bounds) return;
+    if (camera !== "orbit" && camera !== "follow") this.cameraman.look(camera, { glide });
+    else if (home) this.cameraman.home(glide);
+    else this.cameraman.frame(null, null, { glide });
+  }
+
+  // A fixed view that is turned by hand is an orbit (or a follow) from then on, wherever it was left.
+  #handOnCamera() {
+    const { camera } = this.options;
+    if (camera === "orbit" || camera === "follow") return;
+    this.options.camera = this.cameraman.tracking ? "follow" : "orbit";
+    this.dispatchEvent(new CustomEvent("option", { detail: { name: "camera", value: this.options.camera } }));
+  }
+
+  /** Following on or off, whatever the view. */
+  toggleFollow() {
+    const { cameraman, options } = this;
+    if (options.camera === "orbit" || options.camera === "follow") {
+      this.set("camera", options.camera === "follow" ? "orbit" : "follow");
+      return;
+    }
+    cameraman.tracking = !cameraman.tracking;
+    this.#reframe();
+    this.dispatchEvent(new CustomEvent("option", { detail: { name: "camera", value: options.camera } }));
+  }
+
+  /** The three-quarter view of everything. */
+  resetView() {
+    this.#option("camera", this.cameraman.tracking ? "follow" : "orbit");
+    this.cameraman.home();
+  }
+
+  nudgeCamera(around, up, zoom) {
+    this.#handOnCamera();
+    this.cameraman.nudge(around, up, zoom);
+  }
+
+  /** Index of the figure at a point of the canvas (0..1 from its top left), or -1. */
+  figureAt(x, y) {
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(x * 2 - 1, 1 - y * 2), this.stage.camera);
+    let best = -1;
+    let nearest = Infinity;
+    this.actors.forEach((actor, i) => {
+      const away = actor.hit(caster.ray);
+      if (away !== null && away < nearest) [best, nearest] = [i, away];
+    });
+    return best;
+  }
+
+  hover(index) {
+    if (index === this.hovered) return;
+    this.hovered = index;
+    this.#restyle();
+  }
+
+  // ---- the rest -----------------------------------------------------------------------------------
+
+  #announce(type) {
+    this.dispatchEvent(new CustomEvent(type));
+  }
+
+  /** The picture as it is now, as a PNG blob. */
+  picture() {
+    this.#pose();
+    this.stage.draw(); // the drawing buffer is only valid within the task that drew it
+    return new Promise((resolve) => this.stage.canvas.toBlob(resolve, "image/png"));
+  }
+
+  dispose() {
+    this.actors.forEach((actor) => actor.dispose());
+    this.geometry?.dispose();
+    this.cameraman.dispose();
+    this.stage.dispose();
+  }
+}

@@ -1,0 +1,156 @@
+// Renderer, scene, lights and the loop that draws only when something changed.
+import {
+  Color, DirectionalLight, HemisphereLight, NeutralToneMapping, PCFShadowMap, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
+} from "three";
+import { Floor, makeGradient, setRaw } from "./backdrop.js";
+import { THEMES } from "./theme.js";
+
+const MAX_PIXEL_RATIO = 2;
+const SHADOW_MAP = 2048;
+const SUN = new Vector3(2.2, 5.2, 3.4);
+
+export class WebGLMissing extends Error {}
+
+export class Stage {
+  /** Draws into `canvas`; `onFrame(elapsed seconds)` runs before each picture and says whether to go on. */
+  constructor(canvas, onFrame) {
+    this.canvas = canvas;
+    this.onFrame = onFrame;
+    this.renderer = makeRenderer(canvas);
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(32, 1, 0.05, 200);
+    this.backdrop = makeGradient();
+    this.floor = new Floor();
+    this.scene.add(this.backdrop, this.floor.object);
+    this.#lights();
+    this.theme = THEMES.dark;
+    this.pictures = 0;
+    this.visible = true;
+    this.stopped = false;
+    this.request = 0;
+    this.last = 0;
+    this.tick = this.tick.bind(this);
+    this.onVisibility = () => this.invalidate();
+    document.addEventListener("visibilitychange", this.onVisibility);
+    this.onLost = (event) => { event.preventDefault(); this.lost = true; };
+    this.onRestored = () => { this.lost = false; this.invalidate(); };
+    canvas.addEventListener("webglcontextlost", this.onLost);
+    canvas.addEventListener("webglcontextrestored", this.onRestored);
+  }
+
+  #lights() {
+    this.sky = new HemisphereLight();
+    this.key = new DirectionalLight("#fff4e4");
+    this.key.castShadow = true;
+    this.key.shadow.mapSize.set(SHADOW_MAP, SHADOW_MAP);
+    this.key.shadow.radius = 5;
+    this.key.shadow.bias = -0.0004;
+    this.key.shadow.normalBias = 0.02;
+    this.rim = new DirectionalLight();
+    this.rim.position.set(-3, 3.2, -4.5);
+    this.fill = new DirectionalLight("#cfe0ff", 0.5);
+    this.fill.position.set(-4, 1.6, 2.5);
+    this.scene.add(this.sky, this.key, this.key.target, this.rim, this.rim.target, this.fill);
+  }
+
+  paint(name) {
+    const theme = (this.theme = THEMES[name]);
+    const { centre, middle, edge } = this.backdrop.material.uniforms;
+    setRaw(centre.value, theme.centre);
+    setRaw(middle.value, theme.middle);
+    setRaw(edge.value, theme.edge);
+    this.floor.paint(theme);
+    this.sky.color.set(theme.sky);
+    this.sky.groundColor = new Color(theme.ground);
+    this.sky.intensity = theme.ambient;
+    this.key.intensity = theme.key;
+    this.rim.color.set(theme.rim);
+    this.rim.intensity = theme.rimStrength;
+    this.invalidate();
+  }
+
+  /** Keeps light and shadow where the figures are; the map moves in whole texels, or shadow edges would swim. */
+  lightAround(centre, radius) {
+    const reach = Math.ceil(radius * 2) / 2;
+    const camera = this.key.shadow.camera;
+    if (camera.right !== reach) {
+      Object.assign(camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.5, far: 14 + reach * 2 });
+      camera.updateProjectionMatrix();
+    }
+    const texel = (2 * reach) / SHADOW_MAP;
+    const snap = (value) => Math.round(value / texel) * texel;
+    this.key.target.position.set(snap(centre.x), 0, snap(centre.z));
+    this.key.position.copy(this.key.target.position).addScaledVector(SUN, 1 + reach / 6);
+    this.floor.focus(centre, reach);
+  }
+
+  resize(width, height) {
+    if (!width || !height) return;
+    this.renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio || 1, MAX_PIXEL_RATIO));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.backdrop.material.uniforms.aspect.value = width / height;
+    this.draw(); // at once: a resized canvas is blank
+    this.invalidate();
+  }
+
+  /** Asks for a picture; a player out of sight waits until it is seen again. */
+  invalidate() {
+    if (!this.request && !this.stopped && this.visible && !document.hidden) {
+      this.request = requestAnimationFrame(this.tick);
+    }
+  }
+
+  show(visible) {
+    this.visible = visible;
+    this.last = 0;
+    this.invalidate();
+  }
+
+  tick(now) {
+    this.request = 0;
+    if (this.stopped || !this.visible || document.hidden) {
+      this.last = 0;
+      return;
+    }
+    const elapsed = this.last ? Math.min((now - this.last) / 1000, 0.25) : 0;
+    const goOn = this.onFrame(elapsed);
+    this.draw();
+    this.last = goOn ? now : 0;
+    if (goOn) this.invalidate();
+  }
+
+  draw() {
+    if (this.stopped || this.lost) return;
+    this.renderer.render(this.scene, this.camera);
+    this.pictures += 1;
+  }
+
+  dispose() {
+    this.stopped = true;
+    cancelAnimationFrame(this.request);
+    document.removeEventListener("visibilitychange", this.onVisibility);
+    this.canvas.removeEventListener("webglcontextlost", this.onLost);
+    this.canvas.removeEventListener("webglcontextrestored", this.onRestored);
+    this.backdrop.geometry.dispose();
+    this.backdrop.material.dispose();
+    this.floor.dispose();
+    this.key.shadow.map?.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss(); // browsers allow about 16 contexts a page
+  }
+}
+
+function makeRenderer(canvas) {
+  const attributes = { antialias: true, stencil: true, depth: true, powerPreference: "high-performance" };
+  // three.js logs an error of its own when there is no WebGL; asking first keeps the console clean
+  const context = canvas.getContext("webgl2", attributes);
+  if (!context) throw new WebGLMissing("This browser has no WebGL 2");
+  const renderer = new WebGLRenderer({ canvas, context, ...attributes });
+  renderer.shadowMap.enabled = true;
+  renderer.shadowMap.type = PCFShadowMap;
+  renderer.toneMapping = NeutralToneMapping;
+  renderer.toneMappingExposure = 1.0;
+  return renderer;
+}
