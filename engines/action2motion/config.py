@@ -120,13 +120,13 @@ SMALL = Action2MotionConfig(
     final_learning_rate=5e-5,
     detached_feed=True,
     label_balance=0.5,
-    kl_weight=(0.001, 0.01),
+    kl_weight=(0.001, 0.02),
     kl_rise=0.5,
     rotation_weight=1.0,
     velocity_weight=1.0,
     contact_weight=2.0,
     normalise=True,
-    steps=13_000,
+    steps=9_000,
 )
 """What ships: half the frame rate and a wider generator, more terms in the loss."""
 

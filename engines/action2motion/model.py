@@ -24,7 +24,7 @@ import torch
 from torch import Tensor, nn
 
 from engines.action2motion.config import Action2MotionConfig
-from engines.action2motion.networks import GaussianGRU, GeneratorGRU, sample_latent
+from engines.action2motion.networks import GaussianGRU, GeneratorGRU, rollout, sample_latent
 from engines.action2motion.representation import VELOCITY_SIZE, local_positions
 
 
@@ -121,14 +121,17 @@ class Action2Motion(nn.Module):
         """Hidden (B, H) -> the next frame's previous pose, scaled (B, D)."""
         return self.scaled(self.head(hidden))
 
-    def decode(self, hidden: Tensor, real_before: Tensor | None = None) -> Poses:
+    def decode(self, hidden: Tensor, real_before: Tensor | None = None, given: Tensor | None = None) -> Poses:
         """All frames at once: hidden (T, B, H) -> poses and velocity.
 
         Args:
             hidden: of the generator.
             real_before: (T, B', J, 3) real positions a frame before, for the first B' rows (teacher forcing).
+            given: (K, B, D) first poses that stand as they are (outpainting).
         """
         vectors = self.head(hidden)
+        if given is not None:
+            vectors = torch.cat([given, vectors[len(given) :]])
         if self.config.decoder == "plain":
             positions, matrices = vectors.unflatten(-1, (self.config.joints, 3)), None
         else:
@@ -177,26 +180,26 @@ class Action2Motion(nn.Module):
         Args:
             conditions: (T, B, C).
             noise: (T, B, Z).
-            given: (K, B, D) unscaled first poses that are kept as they are (outpainting); K <= T. Their latents are
+            given: (K, B, D) unscaled first poses that are kept as they are (outpainting); K < T. Their latents are
                 the posterior's means, so that the state after them knows what was seen.
 
         Returns:
             hidden (T, B, H) of the generator and the latents (T, B, Z) that were drawn.
         """
-        prior = generator = None
-        before = torch.zeros_like(self.pose_mean).expand(conditions.shape[1], -1)
-        hidden, latents = [], []
-        kept = 0 if given is None else len(given)
-        if given is not None:
-            seen = self.posterior(torch.cat([self.scaled(given), conditions[:kept]], dim=-1))[0]
-        for frame, (condition, draw) in enumerate(zip(conditions, noise, strict=True)):
-            mu, logvar, prior = self.prior.step(torch.cat([before, condition], dim=-1), prior)
-            latent = seen[frame] if frame < kept else sample_latent(mu, logvar, draw)
-            top, generator = self.generator.step(torch.cat([before, condition, latent], dim=-1), generator)
-            before = self.scaled(given[frame]) if frame < kept else self.feed(top)
-            hidden.append(top)
-            latents.append(latent)
-        return torch.stack(hidden), torch.stack(latents)
+        if given is None:
+            first = torch.zeros_like(self.pose_mean).expand(conditions.shape[1], -1)
+            drawn = rollout(self.prior, self.generator, self.feed, conditions, noise, first)
+            return drawn.hidden, drawn.z
+        kept, real = len(given), self.scaled(given)
+        seen = conditions[:kept]
+        latent = self.posterior(torch.cat([real, seen], dim=-1))[0]
+        before = torch.cat([torch.zeros_like(real[:1]), real[:-1]])
+        prior_state = self.prior(torch.cat([before, seen], dim=-1))[3]
+        hidden, generator_state = self.generator(torch.cat([before, seen, latent], dim=-1))
+        drawn = rollout(
+            self.prior, self.generator, self.feed, conditions[kept:], noise[kept:], real[-1], prior_state, generator_state
+        )
+        return torch.cat([hidden, drawn.hidden]), torch.cat([latent, drawn.z])
 
     def replay(self, conditions: Tensor, latents: Tensor) -> Tensor:
         """Hidden (T, B, H) of the generator for latents (T, B, Z) chosen beforehand (interpolation)."""

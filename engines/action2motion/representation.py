@@ -95,15 +95,13 @@ def decode(height: np.ndarray, matrices: np.ndarray, velocity: np.ndarray) -> tu
 
 
 def travel(velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Yaw (T,) and ground path (T, 2) as x, z, summed up from velocities (T, 3)."""
+    """Yaw (T, ...) and ground path (T, ..., 2) as x, z, summed up from velocities (T, ..., 3)."""
     velocity = np.asarray(velocity, dtype=np.float64)
-    yaw = np.cumsum(velocity[:, 2])
-    before = np.concatenate([[0.0], yaw[:-1]])
+    yaw = np.cumsum(velocity[..., 2], axis=0)
+    before = np.concatenate([np.zeros_like(yaw[:1]), yaw[:-1]])
     cos, sin = np.cos(before), np.sin(before)
-    step = np.stack(
-        [cos * velocity[:, 0] + sin * velocity[:, 1], -sin * velocity[:, 0] + cos * velocity[:, 1]], axis=-1
-    )
-    return yaw, np.cumsum(step, axis=0)
+    x, z = velocity[..., 0], velocity[..., 1]
+    return yaw, np.cumsum(np.stack([cos * x + sin * z, -sin * x + cos * z], axis=-1), axis=0)
 
 
 def world_step(positions: Tensor, velocity: Tensor) -> Tensor:

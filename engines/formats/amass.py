@@ -35,6 +35,8 @@ JOINTS = {66: "bodies alone", 72: "SMPL", 156: "SMPL-H", 165: "SMPL-X"}
 _WRITTEN = 156
 _RATES = ("mocap_framerate", "mocap_frame_rate", "fps", "framerate")
 _KEYS = ("trans", "poses", "root_orient", "pose_body", "betas", "gender", *_RATES)
+_LARGEST = 1e6
+"""Metres and radians from here on are taken for damage."""
 _Y_UP = np.array([np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0])
 """Turns Z up to Y up."""
 
@@ -161,9 +163,9 @@ def _poses(path: Path, held: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndar
         raise FormatError(path, f"poses has shape {poses.shape}; accepted: at least one frame, width {widths}.")
     if trans.shape != (len(poses), 3):
         raise FormatError(path, f"trans has shape {trans.shape}; accepted: ({len(poses)}, 3), as many as poses.")
-    if not (np.isfinite(poses).all() and np.isfinite(trans).all()):
-        bad = np.flatnonzero(~(np.isfinite(poses).all(axis=1) & np.isfinite(trans).all(axis=1)))[0]
-        raise FormatError(path, f"frame {bad} holds values that are not finite numbers.")
+    sane = (np.abs(poses) < _LARGEST).all(axis=1) & (np.abs(trans) < _LARGEST).all(axis=1)  # False for NaN
+    if not sane.all():
+        raise FormatError(path, f"frame {np.flatnonzero(~sane)[0]} holds values that are not finite, or beyond reason.")
     return poses.astype(np.float64), trans.astype(np.float64)
 
 

@@ -22,6 +22,8 @@ FPS_RANGE = (0.01, 100_000.0)
 
 _LARGEST = 1e12
 """Numbers from here on are taken for damage."""
+_LONG_LINE = 2**16
+"""Bytes of a line whose surplus numbers are no longer counted for a message."""
 _AXES = {"x": 0, "y": 1, "z": 2}
 _CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
 _TOKEN = re.compile(r"\n|[{}]|[^\s{}]+")
@@ -300,18 +302,19 @@ def _bad_frames(path: Path, block: bytes, frames: int, columns: int, line: int) 
     """What is wrong with a block of frames, found line by line."""
     seen, last = 0, line
     for at, text in enumerate(io.BytesIO(block), start=line):
-        words = text.split()
+        words = text.split(maxsplit=columns)
         if not words:
             continue
         seen, last = seen + 1, at
         if seen > frames:
             return FormatError(path, f"more lines of numbers than the {frames:,} that Frames states.", at)
-        bad = next((w for w in words if _number(w.decode("latin-1")) is None), None)
+        bad = next((w for w in words[:columns] if _number(w.decode("latin-1")) is None), None)
         if bad is not None:
             shown = _shown(bad.decode("latin-1"))
             return FormatError(path, f"{shown} in frame {seen - 1}; accepted: finite numbers.", at)
         if len(words) != columns:
-            return FormatError(path, f"frame {seen - 1} has {len(words)} numbers; accepted: {columns}.", at)
+            count = len(text.split()) if len(text) < _LONG_LINE else f"more than {columns}"
+            return FormatError(path, f"frame {seen - 1} has {count} numbers; accepted: {columns}.", at)
     if seen < frames:
         return FormatError(path, f"the file ends after {seen:,} frames; Frames states {frames:,}.", last)
     return FormatError(path, f"the frames are not {frames:,} lines of {columns} plain numbers.", line)

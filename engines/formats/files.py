@@ -58,7 +58,7 @@ def read_bytes(path: str | Path, limit: int = MAX_FILE_BYTES) -> bytes:
     path = existing_file(path, limit)
     try:
         with path.open("rb") as file:
-            return file.read(limit)
+            return file.read(path.stat().st_size)  # not `limit`, all of which would be set aside
     except OSError as error:
         raise FormatError(path, f"cannot be read: {_reason(error)}.") from error
 

@@ -18,7 +18,7 @@ class Format:
     """One kind of motion file."""
 
     name: str
-    """Short name, e.g. "bvh"."""
+    """Short name, e.g. "bvh"; what `read(format=)` and `write(format=)` take."""
     extensions: tuple[str, ...]
     """Lower-case endings with their dot, the one to write first."""
     description: str
@@ -29,6 +29,16 @@ class Format:
     """`read(path, **options) -> Motion`, or None."""
     write: Callable[..., Path] | None = None
     """`write(motion, path, **options) -> Path`, or None."""
+
+    @property
+    def reads(self) -> bool:
+        """Can it be read?"""
+        return self.read is not None
+
+    @property
+    def writes(self) -> bool:
+        """Can it be written?"""
+        return self.write is not None
 
     def matches(self, path: Path) -> int:
         """Length of the longest of its extensions that the file name ends with; 0 for none."""
@@ -42,7 +52,7 @@ def find_reader(path: Path, formats: Iterable[Format]) -> Format:
     Raises:
         FormatError: no readable file, or of no known kind; the message lists what would be accepted.
     """
-    readers = [f for f in formats if f.read]
+    readers = [f for f in formats if f.reads]
     head = read_head(path)
     ranked = sorted(readers, key=lambda f: f.matches(path), reverse=True)
     recognised = next((f for f in ranked if f.sniff(path, head)), None)
@@ -61,10 +71,10 @@ def find_writer(path: Path, formats: Iterable[Format]) -> Format:
     Raises:
         FormatError: no format has that extension; the message lists those that are written.
     """
-    writers = [f for f in formats if f.write]
+    writers = [f for f in formats if f.writes]
     best = max(writers, key=lambda f: f.matches(path), default=None)
     if best is None or not best.matches(path):
-        ends = ", ".join(end for f in writers for end in f.extensions)
+        ends = ", ".join(dict.fromkeys(end for f in writers for end in f.extensions))
         raise FormatError(path, f"no format is known by the extension {path.suffix!r}; accepted: {ends}.")
     return best
 

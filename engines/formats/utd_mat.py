@@ -6,13 +6,12 @@ about Y makes it ours: left is +X, and the person faces +Z.
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import numpy as np
-import scipy.io
 
 from engines.errors import FormatError
+from engines.formats import mat5
 from engines.formats.files import check_size, read_bytes
 from engines.formats.registry import Format
 from engines.motion import Motion, Provenance
@@ -22,6 +21,10 @@ MAX_BYTES = 64 * 2**20
 """No .mat file larger than this is read."""
 FPS = 30.0
 """Frames a second of the Kinect."""
+FARTHEST = 100.0
+"""Metres: no joint is farther from the Kinect than this."""
+NARROWEST = 0.001
+"""Metres: hips, shoulders and the ends of the trunk are farther apart than this, even where the Kinect falters."""
 VARIABLE = "d_skel"
 """Name of the array in the file."""
 JOINTS = (
@@ -50,23 +53,25 @@ def read_points(path: str | Path) -> tuple[dict[str, np.ndarray], float]:
 
 def _load(path: Path) -> np.ndarray:
     """(T, 20, 3) as in the file."""
-    data = read_bytes(path, MAX_BYTES)
     try:
-        listed = {name: (shape, kind) for name, shape, kind in scipy.io.whosmat(io.BytesIO(data))}
-    except Exception as error:  # scipy's reader raises what the damage happens to lead to
-        raise FormatError(path, f"is no MATLAB file that can be read ({error}).") from error
-    shape, kind = listed.get(VARIABLE, ((), ""))
-    if len(shape) != 3 or shape[:2] != (len(JOINTS), 3) or shape[2] < 1 or kind not in ("double", "single"):
-        held = ", ".join(f"{name} {' x '.join(map(str, shape))} {kind}" for name, (shape, kind) in listed.items())
-        raise FormatError(path, f"holds {held or 'nothing'}; accepted: {VARIABLE}, 20 x 3 x frames, double.")
+        listed = mat5.variables(read_bytes(path, MAX_BYTES))
+    except ValueError as error:
+        raise FormatError(path, f"is no MATLAB file that can be read: {error}.") from error
+    found = next((variable for variable in listed if variable.name == VARIABLE), None)
+    shape = found.shape if found else ()
+    if found is None or len(shape) != 3 or shape[:2] != (len(JOINTS), 3) or shape[2] < 1:
+        held = ", ".join(str(variable) for variable in listed[:8]) or "nothing"
+        raise FormatError(path, f"holds {held}; accepted: {VARIABLE}, 20 x 3 x frames.")
     check_size(path, shape[2], len(JOINTS))
     try:
-        points = scipy.io.loadmat(io.BytesIO(data), variable_names=[VARIABLE])[VARIABLE]
-    except Exception as error:  # as above
-        raise FormatError(path, f"{VARIABLE} cannot be read ({error}); is the file cut short?") from error
-    points = np.asarray(points)
-    if points.shape != tuple(shape) or points.dtype.kind != "f" or not np.isfinite(points).all():
+        points = found.array()
+    except ValueError as error:
+        raise FormatError(path, f"{VARIABLE} cannot be read: {error}. Is the file cut short?") from error
+    if points.dtype.kind != "f" or not np.isfinite(points).all():
         raise FormatError(path, f"{VARIABLE} holds values that are not finite real numbers.")
+    far = np.flatnonzero(np.abs(points).max(axis=(0, 1)) > FARTHEST)
+    if len(far):
+        raise FormatError(path, f"frame {far[0]} has joints beyond {FARTHEST:g} m; accepted: metres from the Kinect.")
     return points.transpose(2, 0, 1).astype(np.float64)
 
 
@@ -76,15 +81,28 @@ def read(path: str | Path) -> Motion:
     The Kinect gives places, not rotations, so these are found by `geometry.retarget.from_points`.
 
     Raises:
-        FormatError: as `read_points`.
+        FormatError: as `read_points`, or a frame in which the trunk has collapsed (a Kinect that lost the person).
     """
     from engines.geometry import retarget
 
     path = Path(path)
     points, fps = read_points(path)
+    _check_body(path, points)
     known = roles.recognise(JOINTS)
-    motion = retarget.from_points({role: points[joint] for role, joint in known.items()}, fps)
+    try:
+        motion = retarget.from_points({role: points[joint] for role, joint in known.items()}, fps)
+    except ValueError as error:  # SkeletonError, or SciPy's on points that no body can take
+        raise FormatError(path, f"its points make no pose of a body: {error}") from error
     return motion.on_ground().replaced(provenance=Provenance(source=path.name, parameters={"format": "utd_mat"}))
+
+
+def _check_body(path: Path, points: dict[str, np.ndarray]) -> None:
+    """Refuse frames whose trunk has no width or no height."""
+    spans = (("left_hip", "right_hip"), ("left_shoulder", "right_shoulder"), ("hip_center", "shoulder_center"))
+    for start, end in spans:
+        lost = np.flatnonzero(np.linalg.norm(points[start] - points[end], axis=-1) < NARROWEST)
+        if len(lost):
+            raise FormatError(path, f"in frame {lost[0]}, {start} and {end} fall together; accepted: a whole body.")
 
 
 def sniff(path: Path, head: bytes) -> bool:

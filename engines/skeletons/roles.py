@@ -21,9 +21,13 @@ import numpy as np
 
 from engines.errors import SkeletonError
 from engines.skeletons.skeleton import Skeleton
+from engines.skeletons.smpl22 import SMPL22
 
 Side = str
 """left, right or the empty string."""
+
+ROLES = SMPL22.joints
+"""All roles, in the order of `smpl22`."""
 
 _NAMESPACE = re.compile(r"^.*[:|]")
 _PREFIX = re.compile(
@@ -93,7 +97,7 @@ def recognise(joints: Iterable[str]) -> dict[str, str]:
             if choice is not None and choice not in taken:
                 found[f"{side}_{part}"] = choice
         _settle_shoulder(found, named, side)
-    return {role: found[role] for role in _ORDER if role in found}
+    return {role: found[role] for role in ROLES if role in found}
 
 
 def _settle_shoulder(found: dict[str, str], named: Mapping[tuple[Side, str], str], side: Side) -> None:
@@ -135,13 +139,6 @@ def _spine_roles(count: int) -> tuple[str, ...]:
 def _spread(spine: list[str]) -> list[str]:
     """At most three of the spine's joints: the first, the middle one, the last."""
     return spine if len(spine) <= 3 else [spine[0], spine[len(spine) // 2], spine[-1]]
-
-
-_ORDER = (
-    "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2", "left_ankle", "right_ankle",
-    "spine3", "left_foot", "right_foot", "neck", "left_collar", "right_collar", "head", "left_shoulder",
-    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
-)  # fmt: skip
 
 
 def path_length(skeleton: Skeleton, above: str, below: str) -> float:

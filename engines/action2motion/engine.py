@@ -1,0 +1,364 @@
+"""The Action2Motion engine: an action's name in, Motions out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors.torch import load_file
+from torch import Tensor
+
+from engines import actions as vocabulary
+from engines.action2motion.config import DECODERS, Action2MotionConfig
+from engines.action2motion.model import Action2Motion
+from engines.action2motion.output import Upsampler, to_motions
+from engines.action2motion.progress import progress_of
+from engines.action2motion.representation import encode
+from engines.actions import Action
+from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError
+from engines.motion import Motion, Provenance, Segment
+from engines.skeletons import SMPL22
+
+WEIGHTS = Path(__file__).resolve().parent.parent / "weights"
+HOUSE_FPS = 20.0
+MAX_FRAMES = 12_000
+"""Ten minutes."""
+MAX_COUNT = 1024
+_CHUNK = 64
+"""Motions generated together: bounds memory, and lets progress and cancel be heard."""
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Latents:
+    """The draw behind one motion: what `interpolate` walks between."""
+
+    action: str
+    values: Tensor
+    """(T, Z) latents of the model's frames."""
+    frames: int
+    """Length of the motion at the house rate."""
+    seed: int
+
+
+class Action2MotionEngine:
+    """Generates, interpolates, changes action, goes on from a given start. Load it with `engines.load("action2motion")`."""
+
+    name = "action2motion"
+    description = "An action's name becomes a motion (temporal VAE with a learned prior, Guo et al. 2020)."
+    licence = "CC BY-NC 4.0 (trained on Bandai-Namco clips)"
+    fps = HOUSE_FPS
+    max_frames = MAX_FRAMES
+    capabilities = frozenset({"actions", "interpolate", "transition", "outpaint", "scale_bones", "variants"})
+    variants = DECODERS
+
+    def __init__(self, model: Action2Motion, weights_hash: str) -> None:
+        self.model = model.eval()
+        self.config: Action2MotionConfig = model.config
+        self.variant = self.config.decoder
+        self.weights_hash = weights_hash
+        self.actions: tuple[Action, ...] = tuple(vocabulary.get(name) for name in self.config.actions)
+
+    # ---- what a person asks for ---------------------------------------------------------------------------
+
+    def generate(self, action: str, frames: int = 60, seed: int = 0, **options: Any) -> Motion:
+        """One motion of an action; see `generate_many`."""
+        return self.generate_many(action, count=1, frames=frames, seed=seed, **options)[0]
+
+    def generate_many(  # noqa: PLR0913 - the request of a person, each part optional
+        self,
+        action: str,
+        count: int = 4,
+        frames: int = 60,
+        seed: int = 0,
+        *,
+        bone_scale: Mapping[str, float] | None = None,
+        progress: Progress | None = None,
+        cancel: Callable[[], bool] | None = None,
+    ) -> list[Motion]:
+        """Different motions of one action, in batched passes.
+
+        Args:
+            action: a name of `actions`.
+            count: 1 to 1024.
+            frames: 1 to 12,000 at 20 fps.
+            seed: 0 to 2^63 - 1; the same seed gives the same motions, and motion i does not depend on `count`
+                beyond rounding.
+            bone_scale: joint -> factor for the bone that leads to it (body scale), "*" for all.
+            progress: called with (motions done, count).
+            cancel: asked between batches; stops with `Cancelled`.
+
+        Raises:
+            UnknownLabelError: the action is not known; the message lists the nearest.
+            OutOfRangeError: a number is outside its range.
+        """
+        label = self._label(action)
+        _check("count", count, 1, MAX_COUNT)
+        plan = self._plan([(label, frames)])
+        made: list[Motion] = []
+        for start in range(0, count, _CHUNK):
+            if cancel and cancel():
+                raise Cancelled(f"cancelled after {len(made)} of {count} motions; none was kept")
+            indices = range(start, min(count, start + _CHUNK))
+            hidden, _ = self._sample(plan, self._noise(seed, indices, plan.steps))
+            motions = self._motions(hidden, plan)
+            parameters = {"variant": self.variant, "frames": frames}
+            if bone_scale:
+                parameters["bone_scale"] = dict(bone_scale)
+            made += self._finished(motions, plan, seed, indices, parameters, bone_scale)
+            if progress:
+                progress(len(made), count)
+        return made
+
+    def latents(self, action: str, seed: int = 0, frames: int = 60) -> Latents:
+        """The latents that `generate(action, frames, seed)` draws."""
+        plan = self._plan([(self._label(action), frames)])
+        _, drawn = self._sample(plan, self._noise(seed, range(1), plan.steps))
+        return Latents(plan.name, drawn[:, 0], frames, seed)
+
+    def interpolate(self, action: str, a: Latents, b: Latents, steps: int = 5, whole: bool = True) -> list[Motion]:
+        """Motions between two draws of an action (thesis, motion interpolation).
+
+        Args:
+            action: of the motions to make, mostly that of `a` and `b`.
+            a: one end; its length is the length of the results.
+            b: the other end, of the same length.
+            steps: how many motions, both ends included; 2 to 64.
+            whole: walk between the latents of every frame, or (False) only between those of the first pose, the
+                rest being drawn from the prior with the seed of `a`.
+        """
+        _check("steps", steps, 2, 64)
+        if a.values.shape != b.values.shape:
+            raise OutOfRangeError("length of the second latents", b.frames, f"{a.frames} frames, as the first")
+        plan = self._plan([(self._label(action), a.frames)])
+        share = torch.linspace(0, 1, steps)[None, :, None]
+        between = _spherical(a.values[:, None], b.values[:, None], share)
+        with torch.inference_mode():
+            if whole:
+                hidden = self.model.replay(self._conditions(plan, steps), between)
+            else:
+                hidden = self._from_first_latent(plan, between[:1], a.seed)
+        parameters = {"variant": self.variant, "frames": a.frames, "interpolate": [a.seed, b.seed], "whole": whole}
+        motions = self._motions(hidden, plan)
+        return self._finished(motions, plan, a.seed, range(steps), parameters)
+
+    def transition(self, segments: Sequence[tuple[str, int]], seed: int = 0) -> Motion:
+        """One motion that changes its action on the way, as often as one likes (thesis, action transition).
+
+        Args:
+            segments: (action, frames), in order; the label fed to the networks switches at each boundary while
+                their memory goes on.
+            seed: as in `generate_many`.
+        """
+        if not segments:
+            raise OutOfRangeError("segments", segments, "one or more (action, frames)")
+        plan = self._plan([(self._label(action), frames) for action, frames in segments])
+        hidden, _ = self._sample(plan, self._noise(seed, range(1), plan.steps))
+        parameters = {"variant": self.variant, "segments": [[name, int(frames)] for name, frames in segments]}
+        return self._finished(self._motions(hidden, plan), plan, seed, range(1), parameters)[0]
+
+    def outpaint(  # noqa: PLR0913 - the request of a person, each part optional
+        self, motion: Motion, action: str, keep: int = 20, frames: int = 60, count: int = 4, seed: int = 0
+    ) -> list[Motion]:
+        """Keep the first frames of a motion and go on in different ways (thesis, motion outpainting).
+
+        Args:
+            motion: any; it is retargeted to smpl22 and resampled to 20 fps where needed.
+            action: what is to follow.
+            keep: how many of its first frames stay exactly as they are; 1 up to all of them.
+            frames: length of the results, more than `keep`.
+            count: how many.
+            seed: as in `generate_many`.
+        """
+        if self.variant == "plain":
+            raise MotionloomError("the plain variant has no rotations to go on from; outpaint with 'glmi-m' or 'lie'")
+        house = motion.retarget(SMPL22).resample(HOUSE_FPS)
+        _check("keep", keep, 1, len(house))
+        _check("frames", frames, keep + 1, MAX_FRAMES)
+        _check("count", count, 1, MAX_COUNT)
+        plan = self._plan([(self._label(action), frames)])
+        stride = round(HOUSE_FPS / self.config.fps)
+        # the model's frames end on the last kept one, so that what follows sets in right after it
+        offset = (keep - 1) % stride
+        shown = house[offset:keep:stride]
+        features = encode(shown)
+        given = torch.from_numpy(np.concatenate([features.height, features.lie.reshape(len(shown), -1)], axis=-1))
+        given = given[:, None].expand(-1, count, -1)
+        plan = plan.until(len(shown) + -(-(frames - keep) // stride) + 1)
+        noise = self._noise(seed, range(count), plan.steps)
+        with torch.inference_mode():
+            hidden, _ = self.model.sample(self._conditions(plan, count), noise, given)
+            continued = self._motions(hidden, plan, given)
+        results = []
+        for whole in continued:
+            tail = whole.replaced(labels=())[(len(shown) - 1) * stride :][: frames - keep + 1]
+            results.append(_join(house[:keep], tail))
+        labels = (Segment(0, keep, "action", house.label_at(0) or "given"), Segment(keep, frames, "action", plan.name))
+        parameters = {"variant": self.variant, "keep": keep, "frames": frames, "of": motion.provenance.source}
+        return self._finished([m.replaced(labels=labels) for m in results], plan, seed, range(count), parameters, labels=labels)
+
+    # ---- how it is made ---------------------------------------------------------------------------------------
+
+    def _label(self, action: str) -> int:
+        cleaned = " ".join(str(action).lower().split())
+        if cleaned not in self.config.actions:
+            raise UnknownLabelError("action", action, self.config.actions)
+        return self.config.actions.index(cleaned)
+
+    def _plan(self, parts: Sequence[tuple[int, int]]) -> _Plan:
+        for _, frames in parts:
+            _check("frames", frames, 1, MAX_FRAMES)
+        total = sum(frames for _, frames in parts)
+        _check("frames", total, 1, MAX_FRAMES)
+        return _Plan(self, tuple((label, int(frames)) for label, frames in parts))
+
+    def _conditions(self, plan: _Plan, count: int) -> Tensor:
+        labels = torch.nn.functional.one_hot(plan.labels, len(self.config.actions)).float()
+        parts = torch.cat([labels, plan.progress[:, None]], dim=-1) if self.config.time_counter else labels
+        return parts[:, None].expand(-1, count, -1)
+
+    def _noise(self, seed: int, indices: Sequence[int], steps: int) -> Tensor:
+        """(T, B, Z) standard normal, each motion's from its own stream."""
+        _check("seed", seed, 0, 2**63 - 1)
+        draws = []
+        for index in indices:
+            generator = torch.Generator().manual_seed((seed * 1_000_003 + index) % 2**63)
+            draws.append(torch.randn(steps, self.config.latent_size, generator=generator))
+        return torch.stack(draws, dim=1)
+
+    def _sample(self, plan: _Plan, noise: Tensor) -> tuple[Tensor, Tensor]:
+        with torch.inference_mode():
+            return self.model.sample(self._conditions(plan, noise.shape[1]), noise)
+
+    def _from_first_latent(self, plan: _Plan, first: Tensor, seed: int) -> Tensor:
+        """Hidden vectors of motions that share their draws but for the latent of the first pose (1, B, Z)."""
+        model, known = self.model, self._conditions(plan, first.shape[1])
+        start = torch.zeros_like(model.pose_mean).expand(first.shape[1], -1)
+        hidden, pose, state = model.generator.unroll(torch.cat([known[:1], first], dim=-1), start, model.feed)
+        if plan.steps == 1:
+            return hidden
+        from engines.action2motion.networks import rollout
+
+        prior_state = model.prior(torch.cat([start[None], known[:1]], dim=-1))[3]
+        noise = self._noise(seed, [0] * first.shape[1], plan.steps)[1:]
+        rest = rollout(model.prior, model.generator, model.feed, known[1:], noise, pose[0], prior_state, state)
+        return torch.cat([hidden, rest.hidden])
+
+    def _motions(self, hidden: Tensor, plan: _Plan, given: Tensor | None = None) -> list[Motion]:
+        """Motions at the house rate from the generator's hidden vectors (T, B, H)."""
+        with torch.inference_mode():
+            poses = self.model.decode(hidden, given=given)
+        return to_motions(poses, Upsampler(plan.steps, self.config.fps, HOUSE_FPS, plan.frames))
+
+    def _finished(  # noqa: PLR0913 - what goes into the provenance
+        self,
+        motions: Sequence[Motion],
+        plan: _Plan,
+        seed: int,
+        indices: Sequence[int],
+        parameters: Mapping[str, Any],
+        bone_scale: Mapping[str, float] | None = None,
+        labels: tuple[Segment, ...] | None = None,
+    ) -> list[Motion]:
+        """With labels and provenance."""
+        made = []
+        for index, motion in zip(indices, motions, strict=True):
+            origin = Provenance(self.name, self.weights_hash, plan.name, seed, index, dict(parameters))
+            done = motion.replaced(labels=plan.segments if labels is None else labels, provenance=origin)
+            made.append(done.scale_bones(bone_scale) if bone_scale else done)
+        return made
+
+
+class _Plan:
+    """Which action, how far along, at each of the model's frames."""
+
+    def __init__(self, engine: Action2MotionEngine, parts: tuple[tuple[int, int], ...]) -> None:
+        config = engine.config
+        self.name = " > ".join(config.actions[label] for label, _ in parts)
+        self.frames = sum(frames for _, frames in parts)
+        ratio = HOUSE_FPS / config.fps
+        edges = np.cumsum([0] + [frames for _, frames in parts])
+        self.segments = tuple(
+            Segment(int(a), int(b), "action", config.actions[label])
+            for (label, _), a, b in zip(parts, edges[:-1], edges[1:], strict=True)
+        )
+        steps = max(1, int(np.ceil((self.frames - 1) / ratio)) + 1)
+        bounds = [min(steps, round(edge / ratio)) for edge in edges[:-1]] + [steps]
+        labels, progress = [], []
+        for (label, _), a, b in zip(parts, bounds[:-1], bounds[1:], strict=True):
+            labels.append(np.full(b - a, label))
+            action = vocabulary.get(config.actions[label])
+            progress.append(progress_of(b - a, config.nominal_frames[label], action.repeats))
+        self.labels = torch.from_numpy(np.concatenate(labels))
+        self.progress = torch.from_numpy(np.concatenate(progress)).float()
+
+    @property
+    def steps(self) -> int:
+        """Number of the model's frames."""
+        return len(self.labels)
+
+    def until(self, steps: int) -> _Plan:
+        """The plan cut, or held at its end, to so many of the model's frames."""
+        import copy
+
+        other = copy.copy(self)
+        index = torch.arange(steps).clamp(max=self.steps - 1)
+        other.labels, other.progress = self.labels[index], self.progress[index]
+        return other
+
+
+def load(variant: str = "glmi-m", checkpoint: str | Path | None = None) -> Action2MotionEngine | Any:
+    """The engine with shipped weights, or with a checkpoint.
+
+    Args:
+        variant: pose decoder: plain, lie, glmi-m (default) or glmi-r.
+        checkpoint: weights written by `motionloom train` (.safetensors with its .json beside it), or the authors' own
+            checkpoint file, which gives an engine on the released networks.
+
+    Raises:
+        UnknownLabelError: no such variant.
+        CheckpointError: the file is missing, damaged or of another architecture.
+    """
+    if variant not in DECODERS:
+        raise UnknownLabelError("variant of action2motion", variant, DECODERS)
+    path = Path(checkpoint) if checkpoint else WEIGHTS / f"action2motion-{variant}.safetensors"
+    if not path.is_file():
+        raise CheckpointError(f"{path}: no such weights; ship or train them (motionloom train action2motion)")
+    if checkpoint and not path.with_suffix(".json").is_file():
+        from engines.action2motion.official_engine import load_official_engine
+
+        return load_official_engine(path)
+    config = Action2MotionConfig.from_json(path.with_suffix(".json").read_text(encoding="utf-8"))
+    model = Action2Motion(config)
+    try:
+        model.load_state_dict({name: value.float() for name, value in load_file(path).items()})
+    except Exception as error:  # safetensors and torch raise many kinds; each means the file does not fit
+        raise CheckpointError(f"{path}: these weights do not fit their settings: {error}") from error
+    return Action2MotionEngine(model, hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def _check(name: str, value: int, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+        raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")
+
+
+def _spherical(a: Tensor, b: Tensor, share: Tensor) -> Tensor:
+    """Between latents a and b (T, 1, Z) at shares (1, N, 1): along the arc, which keeps the norm a Gaussian draw has."""
+    cosine = torch.nn.functional.cosine_similarity(a, b, dim=-1)[..., None].clamp(-0.9995, 0.9995)
+    angle = torch.arccos(cosine)
+    return (torch.sin((1 - share) * angle) * a + torch.sin(share * angle) * b) / torch.sin(angle)
+
+
+def _join(first: Motion, after: Motion) -> Motion:
+    """`after`, whose first frame is the last pose of `first`, turned and set down there; its first frame is dropped."""
+    yaw = float(first.heading[-1] - after.heading[0])
+    turned = after.moved(yaw=yaw)
+    shift = first.translation[-1] - turned.translation[0]
+    placed = turned.moved((float(shift[0]), 0.0, float(shift[2])))
+    return first.concat(placed[1:]) if len(placed) > 1 else first

@@ -1,0 +1,40 @@
+"""The engines by name. What an engine can do is declared by itself; nothing here or in the studio asks which it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from engines.errors import UnknownLabelError
+
+
+def _action2motion(**options: Any) -> Any:
+    from engines.action2motion import engine
+
+    return engine.load(**options)
+
+
+_ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
+    "action2motion": ("an action's name becomes a motion (temporal VAE, Guo et al. 2020)", _action2motion),
+}
+
+
+def available() -> dict[str, str]:
+    """Names of the engines and a line about each."""
+    return {name: line for name, (line, _) in _ENGINES.items()}
+
+
+def load(name: str, **options: Any) -> Any:
+    """An engine with its shipped weights, on the CPU.
+
+    Args:
+        name: one of `available()`.
+        options: of that engine: `variant`, `checkpoint`, ...
+
+    Raises:
+        UnknownLabelError: no such engine.
+        CheckpointError: the weights are missing or damaged.
+    """
+    if name not in _ENGINES:
+        raise UnknownLabelError("engine", name, _ENGINES)
+    return _ENGINES[name][1](**options)
