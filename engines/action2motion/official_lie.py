@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -120,9 +121,9 @@ class OfficialSkeleton:
         return tuple(0 if joint in starts else parent for joint, parent in enumerate(self.parents))
 
     @cached_property
-    def _paths(self) -> Tensor:
+    def _paths(self) -> np.ndarray:
         """(J, J) ones where the second joint's bone lies between the root and the first joint."""
-        paths = torch.zeros(len(self), len(self), dtype=torch.float64)
+        paths = np.zeros((len(self), len(self)))
         for joint in range(1, len(self)):
             paths[joint] = paths[self.parents[joint]]
             paths[joint, joint] = 1.0
@@ -184,7 +185,7 @@ class OfficialSkeleton:
         offsets = translations.expand_as(lie).reshape(-1, *lie.shape[-2:]).permute(2, 1, 0)
         world = self._world_planes(_exp_planes(vectors), root_rotation)  # (3, 3, J, N)
         bones = world[:, 0] * offsets[0] + world[:, 1] * offsets[1] + world[:, 2] * offsets[2]
-        places = self._paths.to(bones) @ bones  # sums the bones from the root to each joint
+        places = torch.from_numpy(self._paths).to(bones) @ bones  # sums the bones from the root to each joint
         return root[..., None, :] + places.permute(2, 1, 0).reshape(lie.shape)
 
     def _world_planes(self, local: Tensor, root_rotation: bool) -> Tensor:
@@ -197,7 +198,8 @@ class OfficialSkeleton:
         for above, level in pairwise(levels):
             parents = worlds[-1][:, :, [above.index(self.rotation_parents[joint]) for joint in level]]
             turns = local[:, :, list(level)]
-            worlds.append(sum(parents[:, k, None] * turns[None, k] for k in range(3)))
+            products = [parents[:, k, None] * turns[None, k] for k in range(3)]
+            worlds.append(products[0] + products[1] + products[2])
         order = [joint for level in levels for joint in level]
         return torch.cat(worlds, dim=2)[:, :, [order.index(joint) for joint in range(len(self))]]
 
