@@ -1,0 +1,134 @@
+"""The app: a page for each browser session, and the server that hands them out, to this machine only by default."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Callable
+from typing import Any
+from urllib.parse import quote
+
+import panel as pn
+from tornado import web
+
+from engines.errors import OutOfRangeError
+from studio import downloads
+from studio.jobs import JobQueue
+from studio.session import Session
+from studio.state import StudioState
+from studio.views import compose, inspector, stage, takes, topbar
+from studio.views.parts import ASSETS, read_asset
+
+log = logging.getLogger(__name__)
+
+MESSAGE_LIMIT = 8 * 2**20
+"""Largest message a browser may send, bytes; files travel in pieces of 1 MB."""
+_PORTS_TRIED = 20
+
+
+def make_app(queue: JobQueue | None = None) -> pn.Template:
+    """The page of one browser session. Its work is stopped and its files are removed when the session ends."""
+    doc = pn.state.curdoc
+    session = Session(StudioState(), queue=queue, dispatch=_on_document(doc))
+    page = _lay_out(session)
+    pn.state.on_session_destroyed(lambda _context: session.close())
+    pn.state.onload(session.start)
+    return page
+
+
+def _on_document(doc: Any) -> Callable[[Callable[[], None]], None]:
+    """Run functions on the thread and under the lock of a document; none any more once its browser has gone."""
+
+    def dispatch(act: Callable[[], None]) -> None:
+        if doc is None:
+            act()
+        elif doc.session_context is not None and not doc.session_context.destroyed:
+            doc.add_next_tick_callback(act)
+
+    return dispatch
+
+
+def _lay_out(session: Session) -> pn.Template:
+    page = pn.Template(read_asset("page.html"))
+    field = compose.action_field(session)
+    bar = topbar.top_bar(session)
+    parts = {
+        "topbar": bar,
+        "compose_tabs": compose.compose_tabs(session),
+        "compose": compose.compose_form(session, field),
+        "browse": compose.action_grid(session, field),
+        "stage": stage.stage(session),
+        "takes": takes.gallery(session),
+        "inspector": inspector.inspector(session),
+        "page": topbar.page(session, bar),
+    }
+    for name, part in parts.items():
+        page.add_panel(name, part)
+    page.add_variable("theme_css", read_asset("theme.css"))
+    page.add_variable("favicon", quote(read_asset("favicon.svg")))
+    return page
+
+
+class _Download(web.RequestHandler):
+    """Hands out finished exports."""
+
+    async def get(self, key: str, name: str) -> None:
+        path = downloads.find(key, name)
+        if path is None:
+            raise web.HTTPError(404)
+        self.set_header("Content-Type", "application/octet-stream")
+        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+        self.set_header("Content-Length", str(path.stat().st_size))
+        with path.open("rb") as file:
+            while piece := file.read(2**18):
+                self.write(piece)
+                await self.flush()
+
+
+def free_port(port: int, host: str = "127.0.0.1") -> int:
+    """`port`, or the next one that is free.
+
+    Raises:
+        OutOfRangeError: none of the next twenty is free, or the address is not one of this machine.
+    """
+    for candidate in range(port, port + _PORTS_TRIED):
+        with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((host, candidate))
+            except (OSError, OverflowError):
+                continue
+            return candidate
+    raise OutOfRangeError("port", port, f"a free port on {host}; none is free from {port} to {port + _PORTS_TRIED - 1}")
+
+
+def serve(
+    port: int = 5006, host: str = "127.0.0.1", open_browser: bool = True, queue: JobQueue | None = None, **options: Any
+) -> Any:
+    """Serve the studio until interrupted.
+
+    Args:
+        port: wanted; the next free one is taken when it is in use.
+        host: address to listen on; other machines reach the studio only if this says so.
+        open_browser: show the page.
+        queue: where long work runs; shared by the process unless given.
+        options: passed on to `panel.serve`, as `threaded=True` or `start=False`.
+    """
+    chosen = free_port(port, host)
+    if chosen != port:
+        log.warning("port %d is taken; using %d", port, chosen)
+    pn.config.reuse_sessions = False
+    local = host in ("127.0.0.1", "localhost", "::1")
+    origins = [f"{name}:{chosen}" for name in ("localhost", "127.0.0.1")] if local else ["*"]
+    return pn.serve(
+        {"/": lambda: make_app(queue)},
+        port=chosen,
+        address=host,
+        websocket_origin=origins,
+        show=open_browser,
+        title="motionloom",
+        static_dirs={"assets": str(ASSETS)},
+        extra_patterns=[(rf"/{downloads.ROUTE}/([\w-]+)/([\w.-]+)", _Download)],
+        websocket_max_message_size=MESSAGE_LIMIT,
+        **options,
+    )

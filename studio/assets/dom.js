@@ -1,0 +1,75 @@
+// Shared by every component: elements, icons, and redrawing without losing the focus.
+const SHAPES = {
+  undo: "M8 5 3.5 9.5 8 14M4 9.5h9a6 6 0 0 1 0 12h-3",
+  redo: "M16 5l4.5 4.500L16 14M20 9.500h-9a6 6 0 0 0 0 12h3",
+  sun: "M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8M12 2.500v2M12 19.500v2M2.5 12h2M19.5 12h2M5.3 5.300l1.4 1.400M17.3 17.300l1.4 1.400M18.7 5.300l-1.4 1.400M6.7 17.300l-1.4 1.4",
+  moon: "M20 14.500A8.5 8.5 0 0 1 9.5 4a8.5 8.5 0 1 0 10.5 10.500z",
+  help: "M9 9a3 3 0 1 1 4.3 2.700c-.9.45-1.3 1-1.3 2.300M12 17.500v.1",
+  star: "M12 3.500l2.6 5.4 5.9.8-4.3 4.1 1 5.9-5.2-2.8-5.2 2.8 1-5.9-4.3-4.1 5.9-.8z",
+  check: "M4.5 12.500l5 5 10-11",
+  again: "M20 5v5h-5M19.5 10A8 8 0 1 0 20 14",
+  trash: "M4 7h16M9.5 7V4.500h5V7M6.5 7l1 13h9l1-13M10 11v5M14 11v5",
+  compare: "M12 3v18M9 6H4v12h5M15 6h5v12h-5",
+  cross: "M6 6l12 12M18 6L6 18",
+  search: "M11 4a7 7 0 1 0 0 14 7 7 0 0 0 0-14M16 16l4.5 4.5",
+  download: "M12 4v11M7.5 11 12 15.5 16.5 11M5 20h14",
+  upload: "M12 16V5M7.5 9 12 4.5 16.5 9M5 20h14",
+  lock: "M6.5 11h11v9h-11zM8.5 11V8a3.5 3.5 0 0 1 7 0v3",
+  unlock: "M6.5 11h11v9h-11zM8.5 11V8a3.5 3.5 0 0 1 6.8-1.2",
+  dice: "M4.5 4.500h15v15h-15zM9 9v.1M15 9v.1M12 12v.1M9 15v.1M15 15v.1",
+  person: "M12 3.500a2 2 0 1 0 0 4 2 2 0 0 0 0-4M12 9.500v5.500M7 11.500l5-2 5 2M9 21l3-6 3 6",
+  down: "M7 10l5 5 5-5",
+  copy: "M9 9h11v11H9zM5 15H4V4h11v1",
+  broom: "M14 4l-3 8M7 12h9l2 8H5zM10 16v4M13.5 16v4",
+}
+function icon(name, solid = false) {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg")
+  svg.setAttribute("viewBox", "0 0 24 24")
+  svg.setAttribute("class", solid ? "i solid" : "i")
+  svg.setAttribute("aria-hidden", "true")
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path")
+  path.setAttribute("d", SHAPES[name])
+  svg.append(path)
+  return svg
+}
+/** An element: attributes by name, `on*` as listeners, booleans as present or absent, children appended. */
+function h(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag)
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value)
+    else if (value === true) node.setAttribute(name, "")
+    else if (value !== false && value != null) node.setAttribute(name, value)
+  }
+  node.append(...children.filter((child) => child != null && child !== false))
+  return node
+}
+/** Replace what `root` holds; the element whose data-key had the focus gets it back, and the scroll stays. */
+function redraw(root, ...children) {
+  const focused = root.getRootNode().activeElement?.closest?.("[data-key]")?.dataset.key
+  const top = root.scrollTop
+  root.replaceChildren(...children.filter((child) => child != null && child !== false))
+  root.scrollTop = top
+  if (focused) root.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus({preventScroll: true})
+}
+/** Redraw once now and once after each burst of changes of the named parameters. */
+function watch(model, names, draw) {
+  let asked = false
+  const later = () => {
+    if (asked) return
+    asked = true
+    queueMicrotask(() => { asked = false; draw() })
+  }
+  for (const name of names) model.on(name, later)
+  draw()
+}
+/** Arrow keys move the focus among `items()`; `columns()` says how far up and down go. */
+function arrows(event, items, columns = () => 1) {
+  const list = items()
+  const place = list.indexOf(event.target.getRootNode().activeElement)
+  const step = {ArrowRight: 1, ArrowLeft: -1, ArrowDown: columns(), ArrowUp: -columns()}[event.key]
+  let next = step === undefined ? {Home: 0, End: list.length - 1}[event.key] : place + step
+  if (next === undefined || place < 0) return
+  event.preventDefault()
+  event.stopPropagation()
+  list[Math.max(0, Math.min(list.length - 1, next))]?.focus()
+}

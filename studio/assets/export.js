@@ -1,0 +1,26 @@
+// The file being written: progress and cancel, then the download.
+export function render({model, el}) {
+  const box = h("div", {class: "box"})
+  el.append(box)
+  const size = (bytes) => bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} kB` : `${(bytes / 1e6).toFixed(1)} MB`
+  let fetched = ""
+  watch(model, ["status", "progress", "error", "file", "url", "bytes", "ready", "label"], () => {
+    const busy = model.status === "queued" || model.status === "running"
+    const percent = Math.round(model.progress * 100)
+    redraw(box,
+      busy
+        ? h("div", {class: "work"},
+            h("div", {class: "row"}, h("span", {class: "file"}, model.file), h("span", {class: "number"}, model.status === "queued" ? "in line" : `${percent}%`)),
+            h("progress", {max: "1", value: String(model.progress), "aria-label": `Exporting ${model.file}`}),
+            h("button", {class: "btn wide", type: "button", "data-key": "main", onclick: () => model.send_msg({do: "cancel"})}, icon("cross"), "Cancel"))
+        : h("button", {class: "btn primary wide", type: "button", "data-key": "main", disabled: !model.ready, onclick: () => model.send_msg({do: "export"})}, model.label),
+      h("div", {role: "status"},
+        model.status === "done" && h("a", {class: "btn wide link", "data-key": "link", href: model.url, download: model.file}, icon("download"), h("span", {class: "file"}, model.file), h("span", {class: "number"}, size(model.bytes))),
+        model.status === "failed" && h("p", {class: "error", role: "alert"}, model.error),
+        model.status === "cancelled" && h("p", {class: "hint"}, "Cancelled; nothing was written.")))
+    if (model.status === "done" && model.url !== fetched) {
+      fetched = model.url
+      box.querySelector("a.link").click()
+    }
+  })
+}

@@ -1,0 +1,16 @@
+// The Generate button, what it will bring, and how far it is.
+export function render({model, el}) {
+  const box = h("div")
+  el.append(box)
+  watch(model, ["busy", "progress", "problem", "named", "forecast", "error", "count"], () => {
+    const label = model.count === 1 ? "Generate 1 take" : `Generate ${model.count} takes`
+    const main = model.busy
+      ? h("button", {class: "btn wide", "data-key": "main", type: "button", onclick: () => model.send_msg({do: "cancel"})}, icon("cross"), "Cancel")
+      : h("button", {class: "btn primary wide", "data-key": "main", type: "button", disabled: Boolean(model.problem), "aria-describedby": "forecast", title: "Ctrl+Enter",
+          onclick: () => model.send_msg({do: "generate"})}, label, h("kbd", {"aria-hidden": "true"}, "Ctrl ⏎"))
+    const line = model.busy
+      ? h("progress", {max: "1", value: String(model.progress), "aria-label": "Generating"})
+      : h("p", {class: "hint", id: "forecast"}, model.named ? "Choose an action it knows." : model.problem || model.forecast)
+    redraw(box, main, line, model.error && h("p", {class: "error", role: "alert"}, model.error))
+  })
+}

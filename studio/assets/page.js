@@ -1,0 +1,68 @@
+// The page as a whole: colours, shortcuts, a line in the corner, help. It draws nothing of its own in the layout.
+const HELP = [
+  ["Everywhere", [["Ctrl Enter", "generate"], ["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl O", "import a file"], ["Ctrl E", "export the selected take"], ["?", "this help"]]],
+  ["Stage", [["Space", "play or pause"], ["← →", "one frame back or on"], [", .", "ten frames back or on"], ["Home End", "first or last frame"], ["G", "ghosts"], ["S", "body, skeleton, both"], ["P", "picture of the stage"]]],
+  ["Takes", [["↑ ↓", "pick another"], ["F", "star"], ["K", "keep"], ["C", "compare"], ["A", "again, on another seed"], ["Del", "delete"]]],
+  ["Actions", [["type", "search"], ["↓", "into the grid"], ["arrows", "move"], ["Enter", "choose"]]],
+]
+export function render({model, el}) {
+  const toast = h("div", {class: "toast", role: "status", hidden: true})
+  const dialog = h("dialog", {class: "help", "aria-label": "Help"},
+    h("div", {class: "title"}, h("h3", {}, "Keyboard"), h("button", {class: "btn icon", type: "button", "aria-label": "Close help", onclick: () => dialog.close()}, icon("cross"))),
+    h("div", {class: "columns"}, ...HELP.map(([name, keys]) => h("section", {}, h("h4", {}, name),
+      h("dl", {}, ...keys.flatMap(([key, what]) => [h("dt", {}, ...key.split(" ").flatMap((part) => [h("kbd", {}, part), " "])), h("dd", {}, what)]))))),
+    h("p", {class: "hint"}, "Drag to turn the camera, scroll to come nearer, drag with the right button to move aside. Drop a motion file anywhere to import it."),
+    h("p", {class: "hint"}, model.about))
+  dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() })
+  el.append(toast, dialog)
+
+  const deepActive = () => { let node = document.activeElement; while (node?.shadowRoot?.activeElement) node = node.shadowRoot.activeElement; return node }
+  const typing = (node) => node && (node.tagName === "TEXTAREA" || node.tagName === "SELECT" || (node.tagName === "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)))
+  const onKey = (event) => {
+    const command = event.ctrlKey || event.metaKey
+    const active = deepActive()
+    if (command && event.key === "Enter") {
+      event.preventDefault()
+      if (typing(active)) active.blur()  // takes over what was being typed
+      setTimeout(() => model.send_msg({do: "generate"}), 60)
+    } else if (command && event.key.toLowerCase() === "z" && !typing(active)) {
+      event.preventDefault()
+      model.send_msg({do: event.shiftKey ? "redo" : "undo"})
+    } else if (command && event.key.toLowerCase() === "y" && !typing(active)) {
+      event.preventDefault()
+      model.send_msg({do: "redo"})
+    } else if (command && event.key.toLowerCase() === "o") {
+      event.preventDefault()
+      model.send_msg({do: "import"})
+    } else if (command && event.key.toLowerCase() === "e") {
+      event.preventDefault()
+      model.send_msg({do: "export"})
+    } else if (event.key === "?" && !command && !typing(active)) {
+      event.preventDefault()
+      event.stopPropagation()
+      if (!dialog.open) dialog.showModal()
+    }
+  }
+  const onHelp = () => { if (!dialog.open) dialog.showModal() }
+  window.addEventListener("keydown", onKey, true)
+  window.addEventListener("motionloom:help", onHelp)
+  let timer = 0
+  model.on("message", () => {
+    if (!model.message) return
+    toast.textContent = model.message
+    toast.hidden = false
+    clearTimeout(timer)
+    timer = setTimeout(() => { toast.hidden = true }, 3500)
+  })
+  model.on("msg:custom", (message) => {
+    if (message?.choose) window.dispatchEvent(new CustomEvent("motionloom:choose-file"))
+  })
+  const saved = document.documentElement.dataset.theme
+  if (saved && saved !== model.theme) model.theme = saved
+  watch(model, ["theme"], () => {
+    document.documentElement.dataset.theme = model.theme
+    try { localStorage.setItem("motionloom-theme", model.theme) } catch { /* private window */ }
+  })
+  watch(model, ["title"], () => { document.title = model.title })
+  requestAnimationFrame(() => document.getElementById("splash")?.classList.add("gone"))
+}

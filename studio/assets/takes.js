@@ -1,0 +1,72 @@
+// The gallery: takes by draw, newest first; pick, star, keep, compare, again, delete.
+export function render({model, el}) {
+  let shown = "all"
+  const head = h("div", {class: "head"})
+  const list = h("div", {class: "list"})
+  const foot = h("div", {class: "foot", role: "toolbar", "aria-label": "Selected take"})
+  el.append(head, list, foot)
+  const send = (what, id) => model.send_msg({do: what, id: id ?? model.selected})
+  const picks = () => [...list.querySelectorAll(".pick")]
+  list.addEventListener("keydown", (event) => {
+    arrows(event, picks)
+    const id = event.target.dataset?.id
+    const what = {f: "favourite", k: "accepted", c: "compare", Delete: "delete", a: "again"}[event.key]
+    if (id && what && !event.ctrlKey && !event.metaKey && !event.altKey) { event.preventDefault(); event.stopPropagation(); send(what, id) }
+  })
+  list.addEventListener("focusin", (event) => {
+    const id = event.target.classList?.contains("pick") && event.target.dataset.id
+    if (id && id !== model.selected && event.target.matches(":focus-visible")) send("select", id)
+  })
+  const draw = () => {
+    const fits = {all: () => true, kept: (take) => take.accepted, starred: (take) => take.favourite}
+    const takes = model.takes.filter(fits[shown])
+    redraw(head, h("h4", {}, model.takes.length ? `${model.takes.length} take${model.takes.length === 1 ? "" : "s"}` : "Takes"),
+      h("div", {class: "filters", role: "radiogroup", "aria-label": "Show"}, ...[["all", "All"], ["kept", "Kept"], ["starred", "★"]].map(([key, text]) =>
+        h("button", {type: "button", role: "radio", "data-key": key, "aria-checked": String(key === shown), "aria-label": key === "starred" ? "Starred" : text, onclick: () => { shown = key; draw() }}, text))),
+      h("button", {class: "btn icon quiet", type: "button", "data-key": "clear", "aria-label": "Clear takes that are neither kept nor starred", title: "Clear takes that are neither kept nor starred", disabled: model.takes.length === 0, onclick: () => send("clear", "")}, icon("broom")))
+    redraw(list, ...groups(takes).flatMap((group) => [
+      h("div", {class: "group"}, h("span", {class: "subject"}, group[0].subject), h("span", {}, group[0].about)),
+      h("ul", {}, ...group.map((take) => card(model, take, send))),
+    ]), takes.length === 0 && h("p", {class: "hint none"}, empty(model, shown)))
+    const take = model.takes.find(({id}) => id === model.selected)
+    const tool = (what, name, text, on, title) => h("button", {
+      class: `btn ${on ? "on" : ""}`, type: "button", "data-key": what, disabled: !take, "aria-pressed": on == null ? null : String(on), title, onclick: () => send(what),
+    }, icon(name), text)
+    redraw(foot, tool("accepted", "check", take?.accepted ? "Kept" : "Keep", Boolean(take?.accepted), "Keep this take (K)"),
+      h("button", {class: "btn", type: "button", "data-key": "again", disabled: !take?.again || model.busy, title: "The same settings on another seed (A)", onclick: () => send("again")}, icon("again"), "Again"),
+      tool("compare", "compare", "Compare", model.compared.includes(model.selected), "Show it beside others, in sync (C)"),
+      h("button", {class: "btn icon", type: "button", "data-key": "delete", disabled: !take, "aria-label": "Delete this take", title: "Delete (Del); undo brings it back", onclick: () => send("delete")}, icon("trash")))
+  }
+  watch(model, ["takes", "selected", "compared", "shown", "thumbnails", "busy"], draw)
+  model.on("selected", () => requestAnimationFrame(() => list.querySelector(`[data-id="${CSS.escape(model.selected)}"]`)?.closest("li").scrollIntoView({block: "nearest"})))
+}
+function empty(model, shown) {
+  if (model.takes.length) return shown === "kept" ? "No take is kept yet." : "No take is starred yet."
+  return model.busy ? "The first takes are on their way…" : "Generate or import a motion: it appears here."
+}
+/** The colour the take has on the stage. */
+function dot(model, take) {
+  const place = model.shown.indexOf(take.id)
+  return place >= 0 && h("span", {class: "dot", style: `background: ${model.palette[place % model.palette.length]}`})
+}
+function groups(takes) {
+  const found = new Map()
+  for (const take of takes) found.set(take.group, [...(found.get(take.group) ?? []), take])
+  return [...found.values()].reverse()
+}
+function card(model, take, send) {
+  const on = take.id === model.selected
+  const ticked = model.compared.includes(take.id)
+  const picture = model.thumbnails[take.id]
+  const spoken = [take.title, take.subject, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred"].filter(Boolean).join(", ")
+  return h("li", {class: `take ${on ? "on" : ""}`},
+    h("button", {class: "pick", type: "button", "data-key": take.id, "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: () => send("select", take.id)}),
+    h("span", {class: "picture"}, picture ? h("img", {src: picture, alt: "", width: "58", height: "58"}) : icon("person")),
+    h("div", {class: "text"},
+      h("div", {class: "title"}, dot(model, take), take.title, take.accepted && h("span", {class: "kept", title: "Kept"}, icon("check"))),
+      h("div", {class: "line"}, take.line),
+      h("div", {class: "line measures"}, ...take.measures.map(({word, level, name, text, real}) => h("span", {class: level, title: `${name}: ${text}${real ? ` (real motion: ${real})` : ""}`}, word)))),
+    h("div", {class: "marks"},
+      h("button", {class: `mark star ${take.favourite ? "on" : ""}`, type: "button", tabindex: "-1", "aria-pressed": String(take.favourite), "aria-label": `Star ${take.title}`, title: "Star (F)", onclick: () => send("favourite", take.id)}, icon("star", take.favourite)),
+      h("button", {class: `mark ${ticked ? "on" : ""}`, type: "button", tabindex: "-1", "aria-pressed": String(ticked), "aria-label": `Compare ${take.title}`, title: "Compare (C)", onclick: () => send("compare", take.id)}, icon("compare"))))
+}

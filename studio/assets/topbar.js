@@ -1,0 +1,34 @@
+export function render({model, el}) {
+  const send = (what) => () => model.send_msg({do: what})
+  const bar = h("div", {class: "bar", role: "toolbar", "aria-label": "Studio"})
+  el.append(bar)
+  watch(model, ["scene", "undo_name", "redo_name", "theme"], () => {
+    const dark = model.theme === "dark"
+    const scene = h("input", {
+      class: "scene", "data-key": "scene", "aria-label": "Scene name", value: model.scene, spellcheck: "false", maxlength: "60",
+      onchange: (event) => { model.scene = event.target.value.trim() || "Untitled scene" },
+      onkeydown: (event) => { if (event.key === "Enter") event.target.blur() },
+    })
+    const undo = model.undo_name ? `Undo ${model.undo_name}` : "Nothing to undo"
+    const redo = model.redo_name ? `Redo ${model.redo_name}` : "Nothing to redo"
+    redraw(bar,
+      h("b", {class: "name"}, mark(), "motionloom"), scene, h("span", {class: "space"}),
+      h("button", {class: "btn icon", "data-key": "undo", "aria-label": undo, title: `${undo} (Ctrl+Z)`, disabled: !model.undo_name, onclick: send("undo")}, icon("undo")),
+      h("button", {class: "btn icon", "data-key": "redo", "aria-label": redo, title: `${redo} (Ctrl+Shift+Z)`, disabled: !model.redo_name, onclick: send("redo")}, icon("redo")),
+      h("button", {class: "btn", "data-key": "import", title: "Import a motion file (Ctrl+O)", onclick: send("import")}, icon("upload"), "Import"),
+      h("button", {class: "btn primary", "data-key": "export", title: "Export the selected take (Ctrl+E)", onclick: send("export")}, icon("download"), "Export"),
+      h("button", {class: "btn icon", "data-key": "theme", "aria-label": dark ? "Use light colours" : "Use dark colours", title: dark ? "Light colours" : "Dark colours",
+        onclick: () => { model.theme = dark ? "light" : "dark" }}, icon(dark ? "sun" : "moon")),
+      h("button", {class: "btn icon", "data-key": "help", "aria-label": "Help and keyboard shortcuts", title: "Help (?)",
+        onclick: () => window.dispatchEvent(new CustomEvent("motionloom:help"))}, icon("help")),
+    )
+  })
+}
+function mark() {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg")
+  svg.setAttribute("viewBox", "0 0 24 24")
+  svg.setAttribute("class", "mark")
+  svg.setAttribute("aria-hidden", "true")
+  svg.innerHTML = '<path d="M3 17c3-11 6-11 9 0s6 11 9-10" /><path d="M3 8c3 11 6 11 9 0s6-9 9 9" />'
+  return svg
+}

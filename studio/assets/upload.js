@@ -1,0 +1,40 @@
+// Import: choose a file or drop one anywhere on the page. It travels in pieces, so that the page stays alive.
+const PIECE = 2 ** 20
+export function render({model, el}) {
+  const input = h("input", {type: "file", accept: model.accept.join(","), class: "vh", id: "file", tabindex: "-1", "aria-label": "Motion file"})
+  const choose = h("button", {class: "btn", type: "button", onclick: () => input.click()}, icon("upload"), "Choose a file")
+  const outcome = h("div", {role: "status"})
+  const zone = h("div", {class: "zone"}, icon("upload"), h("p", {}, "Drop a motion file here, or anywhere on the page"), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
+  const veil = h("div", {class: "veil", hidden: true}, h("div", {}, icon("upload"), "Drop to import"))
+  el.append(zone, outcome, veil)
+  const refuse = (text) => { model.error = text; model.status = "" }
+  async function send(file) {
+    if (!file) return
+    model.send_msg({do: "open"})
+    if (file.size > model.limit) return refuse(`${file.name}: ${(file.size / 2 ** 20).toFixed(0)} MB is too large; accepted: up to ${model.limit / 2 ** 20} MB.`)
+    const ending = model.accept.find((kind) => file.name.toLowerCase().endsWith(kind))
+    if (!ending) return refuse(`${file.name}: files of this kind are not read; accepted: ${model.accept.join(", ")}.`)
+    model.error = ""
+    const id = crypto.getRandomValues(new Uint32Array(2)).join("-")
+    for (let start = 0; start === 0 || start < file.size; start += PIECE) {
+      const piece = await file.slice(start, start + PIECE).arrayBuffer()
+      model.send_msg({do: "piece", id, name: file.name, start, size: file.size, data: piece})
+      outcome.textContent = `Sending ${file.name}… ${Math.round(100 * Math.min(1, (start + PIECE) / Math.max(file.size, 1)))}%`
+    }
+  }
+  input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
+  const carries = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files")
+  let depth = 0
+  const listeners = {
+    dragenter: (event) => { if (carries(event)) { event.preventDefault(); depth += 1; veil.hidden = false } },
+    dragover: (event) => { if (carries(event)) event.preventDefault() },
+    dragleave: (event) => { if (carries(event) && --depth <= 0) { depth = 0; veil.hidden = true } },
+    drop: (event) => { if (carries(event)) { event.preventDefault(); depth = 0; veil.hidden = true; send(event.dataTransfer.files[0]) } },
+    "motionloom:choose-file": () => input.click(),
+  }
+  for (const [name, act] of Object.entries(listeners)) window.addEventListener(name, act)
+  model.on("lifecycle:remove", () => { for (const [name, act] of Object.entries(listeners)) window.removeEventListener(name, act) })
+  watch(model, ["error", "status"], () => {
+    redraw(outcome, model.error ? h("p", {class: "error", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
+  })
+}

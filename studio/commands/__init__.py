@@ -1,0 +1,1 @@
+"""The commands of `motionloom`, one module each; `studio.cli` puts them together."""

@@ -1,0 +1,41 @@
+"""`motionloom convert`: one motion format into another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from engines.errors import OutOfRangeError
+
+
+def convert(
+    source: Annotated[Path, typer.Argument(metavar="IN", help="Motion file to read: .bvh, .npz, .mat")],
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="Motion file to write: .bvh or .npz")],
+    fps: Annotated[float | None, typer.Option(metavar="RATE", help="Resample to this many frames a second.")] = None,
+    retarget: Annotated[
+        str | None, typer.Option(metavar="SKELETON", help="Move onto a named skeleton, as smpl22.")
+    ] = None,
+) -> None:
+    """Convert a motion file, its formats told by the extensions.
+
+    [bold]Examples[/bold]
+
+    motionloom convert walk.bvh walk.npz
+
+    motionloom convert mocap.bvh house.bvh --fps 20 --retarget smpl22
+    """
+    import engines
+    from engines import skeletons
+
+    if fps is not None and not 1 <= fps <= 240:
+        raise OutOfRangeError("--fps", fps, "1 to 240")
+    wanted = skeletons.get(retarget) if retarget else None
+    motion = engines.read(source)
+    if wanted is not None:
+        motion = motion.retarget(wanted)
+    if fps is not None:
+        motion = motion.resample(fps)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    typer.echo(motion.write(target))

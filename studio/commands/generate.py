@@ -1,0 +1,129 @@
+"""`motionloom generate`: motions from an action, written to files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from engines.errors import OutOfRangeError
+from studio.commands.console import (
+    CameraOption,
+    FpsOption,
+    HeightOption,
+    SettingsOption,
+    WidthOption,
+    parse_factors,
+    parse_formats,
+    progress_bar,
+    settings_from,
+)  # fmt: skip
+from studio.settings import FORMATS, VIDEO_FORMATS, ExportSettings, GenerateSettings, Settings, write_settings
+
+
+def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
+    action: Annotated[
+        str | None, typer.Argument(metavar="[ACTION]", help="What the person does: walk, jump, ...")
+    ] = None,
+    count: Annotated[int | None, typer.Option("--count", "-n", metavar="N", help="How many motions to draw.")] = None,
+    frames: Annotated[int | None, typer.Option(metavar="N", help="Length of each, frames (20 a second).")] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", help="Same seed and settings: identical motions.")] = None,
+    take: Annotated[int | None, typer.Option(metavar="N", help="Keep only the N-th of the draw.")] = None,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="PATH", help="Folder; or, for one motion, a file such as walk.mp4.")
+    ] = Path(),
+    formats: Annotated[
+        str | None, typer.Option("--format", "-f", metavar="LIST", help="Comma between: bvh, npz, mp4, gif.")
+    ] = None,
+    settings: SettingsOption = None,
+    save_settings: Annotated[Path | None, typer.Option(metavar="FILE", help="Also save the settings used.")] = None,
+    engine: Annotated[str | None, typer.Option(metavar="NAME", help="Engine; `motionloom info` lists them.")] = None,
+    variant: Annotated[str | None, typer.Option(metavar="NAME", help="Variant of the engine.")] = None,
+    bone_scale: Annotated[
+        list[str] | None, typer.Option(metavar="JOINT=FACTOR", help="Longer or shorter bones; may be repeated.")
+    ] = None,
+    width: WidthOption = None,
+    height: HeightOption = None,
+    fps: FpsOption = None,
+    camera: CameraOption = None,
+    list_actions: Annotated[bool, typer.Option("--list-actions", help="Print the actions known, and exit.")] = False,
+) -> None:
+    """Generate motions of an action and write them.
+
+    [bold]Examples[/bold]
+
+    motionloom generate walk -n 4 --frames 60 --seed 7 -o out/ --format bvh,npz,mp4
+
+    motionloom generate jump -o jump.mp4 --camera front
+
+    motionloom generate --settings take-2.json     (a take from the app, once more)
+
+    motionloom generate --list-actions
+
+    Paths of the files written are printed, one a line.
+    """
+    wanted = settings_from(
+        settings, action=action, count=count, frames=frames, seed=seed, take=take, engine=engine, variant=variant,
+        bone_scale=parse_factors(bone_scale), formats=parse_formats(formats), width=width, height=height, fps=fps,
+        camera=camera,
+    )  # fmt: skip
+    if list_actions:
+        _print_actions(wanted.generate)
+        return
+    if action is None and settings is None:
+        raise typer.BadParameter("give an ACTION or --settings FILE; --list-actions shows what is known")
+    wanted, folder, name = _destination(wanted, out, one_by_default=count is None and settings is None)
+    _generate_and_write(wanted, folder, name)
+    if save_settings is not None:
+        typer.echo(write_settings(wanted, save_settings))
+
+
+def _destination(wanted: Settings, out: Path, one_by_default: bool) -> tuple[Settings, Path, str | None]:
+    """`-o walk.mp4` names one file and its format; anything else is a folder."""
+    kind = out.suffix.lstrip(".").lower()
+    if not kind or out.is_dir():
+        return wanted, out, None
+    if kind not in FORMATS:
+        raise OutOfRangeError("--out", str(out), f"a folder, or a file ending in {', '.join('.' + f for f in FORMATS)}")
+    recipe = replace(wanted.generate, count=1) if one_by_default else wanted.generate
+    if recipe.count > 1 and recipe.take is None:
+        raise OutOfRangeError("--out", str(out), f"a folder for {recipe.count} motions, or --take to keep one of them")
+    return Settings(recipe, replace(wanted.export, formats=(kind,))), out.parent, out.stem
+
+
+def _generate_and_write(wanted: Settings, folder: Path, name: str | None) -> None:
+    from studio import tasks
+
+    recipe = wanted.generate
+    with progress_bar(f"generate {recipe.action}") as progress:
+        motions = tasks.generate(recipe, progress)
+    folder.mkdir(parents=True, exist_ok=True)
+    first = recipe.take or 1
+    for place, motion in enumerate(motions, first):
+        stem = name or f"{tasks.slug(recipe.action)}-seed{recipe.seed}-{place}"
+        for kind in wanted.export.formats:
+            _write(motion, folder / f"{stem}.{kind}", wanted.export)
+
+
+def _write(motion, path: Path, how: ExportSettings) -> None:
+    from studio import tasks
+
+    if path.suffix[1:] in VIDEO_FORMATS:
+        with progress_bar(path.name) as progress:
+            typer.echo(tasks.export(motion, path, how, progress))
+    else:
+        typer.echo(tasks.export(motion, path, how))
+
+
+def _print_actions(recipe: GenerateSettings) -> None:
+    from studio import tasks
+
+    groups: dict[str, list] = {}
+    for known in tasks.load_engine(recipe.engine, recipe.variant).actions:
+        groups.setdefault(known.group, []).append(known)
+    for group, members in groups.items():
+        typer.secho(group, bold=True)
+        for known in members:
+            typer.echo(f"  {known.name:<28}{known.description}")

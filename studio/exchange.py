@@ -1,0 +1,144 @@
+"""Files in and out of a session: import of dropped files, export of takes, settings files."""
+
+from __future__ import annotations
+
+import tempfile
+import uuid
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import engines
+from engines.errors import FormatError, MotionloomError, OutOfRangeError
+from studio import downloads, tasks
+from studio.jobs import Job
+from studio.settings import Settings
+
+if TYPE_CHECKING:
+    from studio.session import Session
+
+UPLOAD_LIMIT = 64 * 2**20
+"""Largest file that can be imported, bytes."""
+IMPORTS = (".bvh", ".npz", ".mat")
+"""Extensions the app reads."""
+UNTITLED = "Untitled scene"
+"""Name of a scene that was not given one; it does not go into file names."""
+
+
+class Exchange:
+    """The files of one session.
+
+    Args:
+        session: whose state is shown to, and whose queue does the work.
+        folder: where exports are written; the session removes it.
+    """
+
+    def __init__(self, session: Session, folder: Path) -> None:
+        self.session, self.folder = session, folder
+        self._arriving: dict[str, bytearray] = {}
+        self._exporting: Job | None = None
+
+    # ---- in -----------------------------------------------------------------------------------------------
+
+    def receive(self, key: str, name: str, start: int, size: int, piece: bytes) -> None:
+        """One piece of a file on its way in; with the last one it is imported. Pieces out of order are refused."""
+        held = self._arriving.setdefault(key, bytearray()) if start == 0 else self._arriving.get(key)
+        if held is None or start != len(held) or size > UPLOAD_LIMIT or start + len(piece) > size:
+            self._arriving.pop(key, None)
+            problem = f"{name}: the upload broke off; try again."
+            self.session.state.param.update(import_error=problem, import_status="")
+            return
+        held += piece
+        if len(held) == size:
+            del self._arriving[key]
+            self.import_file(Path(name).name, bytes(held))
+
+    def import_file(self, name: str, data: bytes) -> None:
+        """Read a motion file a person dropped; what is wrong with it is said in `state.import_error`."""
+        state = self.session.state
+        state.param.update(import_error="", import_status=f"Reading {name}…")
+
+        def read(_progress: Any, _cancel: Any) -> tuple[engines.Motion, dict]:
+            motion = read_upload(name, data)
+            return motion, dict(tasks.measure(motion))
+
+        def show(job: Job) -> None:
+            if job.status == "failed":
+                state.param.update(import_error=job.error, import_status="")
+            elif job.status == "done":
+                motion, metrics = job.result
+                made = self.session.takes.add([motion], group=uuid.uuid4().hex, source=name, metrics=[metrics])
+                state.import_status = f"Imported {name}: {motion.frames:,} frames, {motion.duration:.1f} s."
+                self.session.shelve(made)
+
+        self.session.submit(f"import {name}", read, show, lane="file")
+
+    # ---- out ----------------------------------------------------------------------------------------------
+
+    def export(self, take_id: str = "") -> None:
+        """Write a take by the state's export settings; the finished file is offered for download."""
+        state = self.session.state
+        take = state.take(take_id)
+        if take is None or state.export_status in ("queued", "running"):
+            return
+        how = state.export_settings()
+        name = f"{self._prefix()}{take.id}-{tasks.slug(Path(take.subject).stem)}.{state.export_format}"
+        path = Path(tempfile.mkdtemp(dir=self.folder)) / name
+        state.param.update(
+            export_status="queued", export_progress=0.0, export_error="", export_name=name, export_url="",
+            export_bytes=0,
+        )  # fmt: skip
+
+        def write(progress: Callable[[int, int], None], cancel: Callable[[], bool]) -> Path:
+            return tasks.export(take.motion, path, how, progress, cancel)
+
+        self._exporting = self.session.submit(name, write, self._exported, lane="file")
+
+    def cancel_export(self) -> None:
+        """Stop the export under way."""
+        if self._exporting is not None:
+            self._exporting.cancel()
+
+    def settings_file(self, take_id: str = "") -> tuple[str, str]:
+        """(name, text) of the settings file that makes a take again; empty for an imported one."""
+        state = self.session.state
+        take = state.take(take_id)
+        if take is None or take.settings is None:
+            return "", ""
+        return f"{take.id}.json", Settings(take.settings, state.export_settings()).to_json()
+
+    def _exported(self, job: Job) -> None:
+        update: dict[str, Any] = {"export_status": job.status, "export_progress": job.fraction}
+        update["export_error"] = job.error
+        if job.status == "done":
+            update |= {"export_url": downloads.offer(job.result), "export_bytes": job.result.stat().st_size}
+        self.session.state.param.update(**update)
+
+    def _prefix(self) -> str:
+        name = self.session.state.scene.strip()
+        return "" if name in ("", UNTITLED) else tasks.slug(name) + "-"
+
+
+def read_upload(name: str, data: bytes) -> engines.Motion:
+    """A motion from the bytes of an uploaded file; messages name the file as the person knows it.
+
+    Raises:
+        FormatError: empty, of a kind that is not read, or malformed.
+        OutOfRangeError: larger than `UPLOAD_LIMIT`.
+    """
+    if len(data) > UPLOAD_LIMIT:
+        raise OutOfRangeError(f"size of {name}", f"{len(data) / 2**20:.0f} MB", f"up to {UPLOAD_LIMIT >> 20} MB")
+    suffix = Path(name).suffix.lower()
+    if suffix not in IMPORTS:
+        raise FormatError(name, f"files of this kind are not read; accepted: {', '.join(IMPORTS)}")
+    if not data:
+        raise FormatError(name, "the file is empty")
+    with tempfile.TemporaryDirectory(prefix="motionloom-") as folder:
+        path = Path(folder) / f"upload{suffix}"
+        path.write_bytes(data)
+        try:
+            return engines.read(path)
+        except FormatError as problem:
+            raise FormatError(name, problem.problem, problem.line) from None
+        except MotionloomError as problem:
+            raise FormatError(name, str(problem).replace(str(path), name)) from None

@@ -1,0 +1,286 @@
+"""One browser session: what happens when a person asks for something.
+
+Views set parameters of `state` and call the methods here; the work itself runs in the job queue, and its outcome
+comes back through `dispatch`, which the app points at the document's own thread.
+"""
+
+from __future__ import annotations
+
+import logging
+import random
+import shutil
+import tempfile
+import threading
+import time
+import uuid
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import engines
+from studio import downloads, tasks, thumbnails
+from studio.exchange import Exchange
+from studio.jobs import Job, JobQueue, Work, shared_queue
+from studio.settings import GenerateSettings
+from studio.state import StudioState
+from studio.takes import Take, TakeList
+
+log = logging.getLogger(__name__)
+
+STAGE_LIMIT = 16
+"""Most takes the stage shows at once."""
+
+
+class Session:
+    """The takes, the jobs and the files of one browser tab.
+
+    Args:
+        state: parameters the views watch.
+        queue: where long work runs; the process's shared one unless given.
+        dispatch: runs a function on the thread that owns `state`; at once unless given.
+    """
+
+    def __init__(
+        self,
+        state: StudioState | None = None,
+        queue: JobQueue | None = None,
+        dispatch: Callable[[Callable[[], None]], Any] | None = None,
+    ) -> None:
+        self.id = uuid.uuid4().hex
+        self.state = state or StudioState()
+        self.queue = queue or shared_queue()
+        self.dispatch = dispatch or (lambda act: act())
+        self.takes = TakeList(on_change=self._takes_changed)
+        self.folder = Path(tempfile.mkdtemp(prefix="motionloom-"))
+        self.files = Exchange(self, self.folder)
+        self._drawing: Job | None = None
+        self._draws = 0
+        self.state.param.watch(self._restage, ["selected", "stage_mode", "compared"])
+        self.state.param.watch(self._engine_asked, ["engine", "variant"])
+
+    # ---- life ---------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Load the engine and draw the first takes, so that a newcomer sees people moving at once; only once."""
+        if self.state.engines:
+            return
+        self.state.engines = engines.available()
+        self._load_engine(then=self.generate)
+
+    def close(self) -> None:
+        """Stop the work and remove the files of this session."""
+        self.queue.cancel_all(self.id)
+        downloads.withdraw(self.folder)
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    # ---- generating ---------------------------------------------------------------------------------------
+
+    def generate(self) -> None:
+        """Draw takes by the state's settings; a seed that is not locked is changed first (not on the first draw)."""
+        state = self.state
+        if state.generating or state.problem():
+            return
+        if self._draws and not state.seed_locked:
+            state.seed = random.randrange(10_000)
+        self._draws += 1
+        asked = state.generate_settings()
+        state.param.update(generating=True, generate_progress=0.0, generate_error="")
+        self._drawing = self.submit(
+            f"{asked.count} × {asked.action}", lambda progress, cancel: _draw(asked, progress, cancel), self._drawn
+        )
+
+    def cancel_generate(self) -> None:
+        """Stop the draw under way."""
+        if self._drawing is not None:
+            self._drawing.cancel()
+
+    def again(self, take_id: str = "") -> None:
+        """Draw once more with the settings of a take, on another seed."""
+        take = self.state.take(take_id)
+        if take is None or take.settings is None:
+            return
+        self.restore(take.id)
+        self.state.seed_locked = False
+        self.generate()
+
+    def restore(self, take_id: str = "") -> None:
+        """Put the settings of a take back into the controls."""
+        take = self.state.take(take_id)
+        if take is None or take.settings is None:
+            return
+        made = take.settings
+        self.state.param.update(
+            engine=made.engine, variant=made.variant, action=made.action, frames=made.frames, seed=made.seed,
+            count=made.count, bone_scale=dict(made.bone_scale),
+        )  # fmt: skip
+
+    def _drawn(self, job: Job) -> None:
+        state = self.state
+        state.generate_progress = job.fraction
+        if not job.finished:
+            return
+        state.generating = False
+        if job.status == "failed":
+            state.generate_error = job.error
+        elif job.status == "cancelled":
+            state.message = f"Cancelled: {job.title}"
+        else:
+            asked, motions, metrics, seconds = job.result
+            state.generate_rate = len(motions) * asked.frames / max(seconds, 1e-3)
+            made = self.takes.add(motions, group=uuid.uuid4().hex, settings=asked, metrics=metrics)
+            self.shelve(made)
+
+    def shelve(self, made: list[Take]) -> None:
+        """Show new takes and have their pictures drawn."""
+        mode = "all" if self.state.stage_mode == "compare" else self.state.stage_mode
+        self.state.param.update(selected=made[0].id, stage_mode=mode)
+        drawn: dict[str, str] = {}
+
+        def draw(progress, _cancel) -> None:
+            from viewers.web.payload import PALETTE
+
+            for count, take in enumerate(made, 1):
+                drawn[take.id] = thumbnails.thumbnail(take.motion, PALETTE[(count - 1) % len(PALETTE)])
+                progress(count, len(made))
+
+        def show(job: Job) -> None:
+            if job.status == "failed":
+                log.warning("no thumbnails: %s", job.error)
+            self.state.thumbnails = {**self.state.thumbnails, **drawn}
+
+        self.submit("thumbnails", draw, show, lane="still")
+
+    # ---- takes --------------------------------------------------------------------------------------------
+
+    def select(self, take_id: str) -> None:
+        """Pick a take."""
+        if take_id in self.takes:
+            self.state.selected = take_id
+
+    def toggle(self, take_id: str, flag: str) -> None:
+        """Turn `favourite` or `accepted` of a take over."""
+        take = self.takes.get(take_id)
+        if take is not None:
+            self.takes.mark(take_id, **{flag: not getattr(take, flag)})
+
+    def compare(self, take_id: str) -> None:
+        """Tick or untick a take for comparison; the stage follows."""
+        ticked = [i for i in self.state.compared if i in self.takes]
+        ticked = [i for i in ticked if i != take_id] if take_id in ticked else [*ticked, take_id]
+        mode = "compare" if ticked else "all"
+        self.state.param.update(compared=ticked, stage_mode=mode)
+
+    def delete(self, take_id: str) -> None:
+        """Delete a take; undo brings it back."""
+        take = self.takes.get(take_id)
+        if take is not None:
+            self.takes.remove(take_id)
+            self.state.message = f"Deleted {take.title.lower()}. Undo brings it back."
+
+    def clear(self) -> None:
+        """Delete the takes that are neither kept nor starred; undo brings them back."""
+        gone = self.takes.clear()
+        self.state.message = f"Cleared {gone} takes. Undo brings them back." if gone else "Nothing to clear."
+
+    def undo(self) -> None:
+        """Take the last step back."""
+        name = self.takes.undo()
+        if name:
+            self.state.message = f"Undid: {name}"
+
+    def redo(self) -> None:
+        """Bring the last step taken back again."""
+        name = self.takes.redo()
+        if name:
+            self.state.message = f"Redid: {name}"
+
+    def _takes_changed(self, takes: TakeList) -> None:
+        state = self.state
+        before = [take.id for take in state.takes]
+        now = takes.all
+        ids = [take.id for take in now]
+        state.param.update(takes=now, undo_name=takes.undo_name, redo_name=takes.redo_name)
+        if state.selected not in ids:
+            place = before.index(state.selected) if state.selected in before else len(ids)
+            left = [i for i in before[place + 1 :] + before[:place][::-1] if i in ids]
+            state.selected = (left or ids[-1:] or [""])[0]
+        if any(i not in ids for i in state.compared):
+            state.compared = [i for i in state.compared if i in ids]
+        self._restage()
+
+    def _restage(self, *_: Any) -> None:
+        """Which takes the stage shows: the draw of the selected one, that one alone, or those ticked."""
+        state = self.state
+        if state.stage_mode == "compare" and state.compared:
+            ids = list(state.compared)
+        elif state.stage_mode == "one":
+            ids = [state.selected] if state.selected else []
+        else:
+            ids = [take.id for take in self.takes.group_of(state.selected)]
+        if ids[:STAGE_LIMIT] != state.shown:
+            state.shown = ids[:STAGE_LIMIT]
+
+    # ---- plumbing -----------------------------------------------------------------------------------------
+
+    def _engine_asked(self, *_: Any) -> None:
+        self._load_engine()
+
+    def _load_engine(self, then: Callable[[], None] | None = None) -> None:
+        state = self.state
+        name, variant = state.engine, state.variant
+        state.param.update(engine_ready=False, generate_error="")
+
+        def show(job: Job) -> None:
+            if (name, variant) != (state.engine, state.variant):
+                return
+            if job.status == "failed":
+                state.generate_error = job.error
+            elif job.status == "done":
+                self._describe(job.result)
+                if then is not None:
+                    then()
+
+        self.submit(f"load {name}", lambda _progress, _cancel: tasks.load_engine(name, variant), show)
+
+    def _describe(self, engine: Any) -> None:
+        """Copy what an engine says about itself into the state; the controls are built from it."""
+        known = [action.name for action in engine.actions]
+        action = self.state.action if self.state.action in known or not known else known[0]
+        self.state.param.update(
+            capabilities=frozenset(engine.capabilities),
+            actions=tuple(engine.actions),
+            variants=list(getattr(engine, "variants", ())),
+            fps=float(engine.fps),
+            max_frames=int(engine.max_frames),
+            licence=engine.licence,
+            weights_hash=engine.weights_hash,
+            action=action,
+            engine_ready=True,
+        )
+
+    def submit(self, title: str, work: Work, show: Callable[[Job], None], lane: str = "generate") -> Job:
+        """Run work in the queue; `show(job)` is called on the state's thread, at most once after the end."""
+        waiting = threading.Event()
+        ended = threading.Event()
+
+        def act(job: Job) -> None:
+            waiting.clear()
+            if ended.is_set():
+                return
+            if job.finished:
+                ended.set()
+            show(job)
+
+        def changed(job: Job) -> None:
+            if job.finished or not waiting.is_set():
+                waiting.set()
+                self.dispatch(lambda: act(job))
+
+        return self.queue.submit(self.id, title, work, lane=lane, on_change=changed)
+
+
+def _draw(asked: GenerateSettings, progress, cancel) -> tuple[GenerateSettings, list, list, float]:
+    began = time.perf_counter()
+    motions = tasks.generate(asked, progress, cancel)
+    seconds = time.perf_counter() - began
+    return asked, motions, [dict(tasks.measure(motion)) for motion in motions], seconds

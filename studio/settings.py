@@ -1,0 +1,219 @@
+"""The one settings file: what to generate and how to export it, the same for the app, the command line and Python.
+
+    {"version": 1,
+     "generate": {"engine": "action2motion", "action": "walk", "frames": 60, "seed": 7, "count": 4, "take": 2},
+     "export": {"formats": ["bvh", "mp4"], "width": 1280, "height": 720, "camera": "follow"}}
+
+Every key is optional; a key or value that is not understood is refused with the nearest one that is.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+from engines.errors import FormatError, MotionloomError, OutOfRangeError, UnknownLabelError
+
+VERSION = 1
+MAX_SEED = 2**31 - 1
+MAX_COUNT = 32
+MAX_FRAMES = 12000
+VIDEO_FORMATS = ("mp4", "gif")
+MOTION_FORMATS = ("bvh", "npz")
+FORMATS = VIDEO_FORMATS + MOTION_FORMATS
+CAMERAS = ("follow", "orbit", "front", "back", "left", "right")
+
+
+@dataclass(frozen=True)
+class GenerateSettings:
+    """Everything an engine is told: the same settings give the same motions."""
+
+    engine: str = "action2motion"
+    """Name of the engine; `motionloom info` lists them."""
+    variant: str = ""
+    """Variant of the engine; empty for its usual one."""
+    action: str = "walk"
+    """What the person does."""
+    frames: int = 60
+    """Length of each motion, frames at the engine's rate."""
+    seed: int = 7
+    """Seed of the draw, 0 to 2147483647."""
+    count: int = 4
+    """How many motions are drawn in one pass, 1 to 32."""
+    take: int | None = None
+    """Keep only this one of them, counted from 1; null keeps all."""
+    bone_scale: Mapping[str, float] = field(default_factory=dict)
+    """Joint name -> factor (0.5 to 2) on the bone that leads to it; "*" for all others."""
+
+    def __post_init__(self) -> None:
+        _within("frames", self.frames, 2, MAX_FRAMES)
+        _within("seed", self.seed, 0, MAX_SEED)
+        _within("count", self.count, 1, MAX_COUNT)
+        if self.take is not None:
+            _within("take", self.take, 1, self.count)
+        for joint, factor in self.bone_scale.items():
+            _within(f"bone_scale[{joint!r}]", factor, 0.5, 2.0)
+
+
+@dataclass(frozen=True)
+class ExportSettings:
+    """How motions are written."""
+
+    formats: tuple[str, ...] = ("bvh",)
+    """Any of mp4, gif (rendered), bvh, npz (motion data)."""
+    width: int = 1280
+    """Video width in pixels, even."""
+    height: int = 720
+    """Video height in pixels, even."""
+    fps: float | None = None
+    """Frames a second of the file; null keeps the motion's."""
+    camera: str = "follow"
+    """Video: follow, orbit, front, back, left or right."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "formats", tuple(self.formats))
+        if not self.formats:
+            raise OutOfRangeError("formats", [], "one or more of " + ", ".join(FORMATS))
+        for name in self.formats:
+            if name not in FORMATS:
+                raise UnknownLabelError("export format", name, FORMATS)
+        if self.camera not in CAMERAS:
+            raise UnknownLabelError("camera", self.camera, CAMERAS)
+        for name in ("width", "height"):
+            value = getattr(self, name)
+            if not 64 <= value <= 4096 or value % 2:
+                raise OutOfRangeError(name, value, "an even number of pixels, 64 to 4096")
+        if self.fps is not None:
+            _within("fps", self.fps, 1, 240)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """One settings file."""
+
+    generate: GenerateSettings = field(default_factory=GenerateSettings)
+    """What to generate."""
+    export: ExportSettings = field(default_factory=ExportSettings)
+    """How to write it."""
+
+    def changed(self, **changes: Any) -> Settings:
+        """A copy with some keys of either section changed, found by name; None leaves a key as it is."""
+        given = {key: value for key, value in changes.items() if value is not None}
+        sections = {}
+        for section in ("generate", "export"):
+            current = getattr(self, section)
+            own = {f.name for f in fields(current)}
+            sections[section] = replace(current, **{key: given.pop(key) for key in list(given) if key in own})
+        if given:
+            raise UnknownLabelError("setting", next(iter(given)), setting_names())
+        return Settings(**sections)
+
+    def to_json(self) -> str:
+        """The text of the settings file."""
+        generate = {**asdict(self.generate), "bone_scale": dict(self.generate.bone_scale)}
+        export = {**asdict(self.export), "formats": list(self.export.formats)}
+        return json.dumps({"version": VERSION, "generate": generate, "export": export}, indent=2) + "\n"
+
+
+def setting_names() -> list[str]:
+    """Every key a settings file may hold, both sections."""
+    return [f.name for section in (GenerateSettings, ExportSettings) for f in fields(section)]
+
+
+def parse_settings(text: str, source: str | Path = "settings") -> Settings:
+    """The settings a text holds.
+
+    Args:
+        text: JSON as in the module's example.
+        source: name for messages.
+
+    Raises:
+        FormatError: not JSON, another version, an unknown key, or a value of the wrong type or out of range.
+    """
+    try:
+        tree = json.loads(text)
+    except json.JSONDecodeError as problem:
+        raise FormatError(source, f"not JSON: {problem.msg}; accepted: a settings file", problem.lineno) from None
+    if not isinstance(tree, dict):
+        raise FormatError(source, f"holds {_kind(tree)}; accepted: an object with version, generate, export")
+    _known_keys(tree, ("version", "generate", "export"), source)
+    if tree.get("version", VERSION) != VERSION:
+        raise FormatError(source, f"settings version {tree['version']!r}; accepted: {VERSION}")
+    try:
+        return Settings(
+            _section(GenerateSettings, tree.get("generate", {}), source, "generate"),
+            _section(ExportSettings, tree.get("export", {}), source, "export"),
+        )
+    except FormatError:
+        raise
+    except MotionloomError as problem:
+        raise FormatError(source, str(problem)) from None
+
+
+def read_settings(path: str | Path) -> Settings:
+    """Read a settings file; errors as in `parse_settings`, and FormatError where there is no readable file."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as problem:
+        raise FormatError(path, f"cannot be read ({problem}); accepted: a JSON settings file") from None
+    return parse_settings(text, path)
+
+
+def write_settings(settings: Settings, path: str | Path) -> Path:
+    """Write a settings file, beside and renamed. Returns the path."""
+    path = Path(path)
+    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    with os.fdopen(handle, "w", encoding="utf-8") as file:
+        file.write(settings.to_json())
+    Path(beside).replace(path)
+    return path
+
+
+# ---- checks -----------------------------------------------------------------------------------------------
+
+_TYPES: dict[str, tuple[type, ...]] = {
+    "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
+    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "width": (int,), "height": (int,),
+    "fps": (int, float, type(None)), "camera": (str,),
+}  # fmt: skip
+
+
+def _section(kind: type, tree: object, source: str | Path, name: str) -> Any:
+    if not isinstance(tree, dict):
+        raise FormatError(source, f"{name} holds {_kind(tree)}; accepted: an object")
+    _known_keys(tree, [f.name for f in fields(kind)], source)
+    for key, value in tree.items():
+        if not _fits(key, value):
+            wanted = " or ".join("null" if t is type(None) else t.__name__ for t in _TYPES[key])
+            raise FormatError(source, f"{name}.{key} holds {json.dumps(value)}; accepted: {wanted}")
+    return kind(**tree)
+
+
+def _fits(key: str, value: Any) -> bool:
+    """Has a value the type of its key (a boolean is no number here)."""
+    if isinstance(value, bool) or not isinstance(value, _TYPES[key]):
+        return False
+    if key == "bone_scale":
+        return all(isinstance(v, int | float) and not isinstance(v, bool) for v in value.values())
+    return key != "formats" or all(isinstance(v, str) for v in value)
+
+
+def _known_keys(tree: Mapping[str, Any], known: Any, source: str | Path) -> None:
+    for key in tree:
+        if key not in known:
+            raise FormatError(source, str(UnknownLabelError("setting", key, known)))
+
+
+def _within(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise OutOfRangeError(name, value, f"{low:g} to {high:,.0f}" if high > 10 else f"{low:g} to {high:g}")
+
+
+def _kind(value: object) -> str:
+    return {list: "a list", str: "a text", type(None): "null"}.get(type(value), "a number")

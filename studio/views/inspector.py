@@ -1,0 +1,153 @@
+"""The inspector: what made the selected take, how good it is, how to make it again, and its export."""
+
+from __future__ import annotations
+
+import io
+from html import escape
+from typing import Any
+
+import panel as pn
+
+from studio.quality import measures
+from studio.session import Session
+from studio.takes import Take
+from studio.views.binding import follow, tie
+from studio.views.forms import column, dressed, html, row
+from studio.views.parts import ExportBox, Segments
+
+FORMATS = [("mp4", "MP4"), ("gif", "GIF"), ("bvh", "BVH"), ("npz", "NPZ")]
+SIZES = {"1280 × 720": (1280, 720), "1920 × 1080": (1920, 1080), "854 × 480": (854, 480), "720 × 720": (720, 720)}
+CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
+_ABOUT = {
+    "mp4": "Video for players, slides and the web.",
+    "gif": "Short video that plays anywhere; large for long takes.",
+    "bvh": "Skeleton and rotations for Blender, Maya, Unreal and others.",
+    "npz": "AMASS layout (SMPL joint order) for Python and research tools.",
+}
+
+
+def inspector(session: Session) -> pn.Column:
+    """Two tabs: Details and Export."""
+    state = session.state
+    tabs = Segments(
+        options=[("details", "Details"), ("export", "Export")], role="tablist", label="Inspector",
+        sizing_mode="stretch_width", margin=0,
+    )  # fmt: skip
+    tie(tabs, state, value="inspector_tab")
+    details, export = _details(session), _export(session)
+
+    def show(*_: Any) -> None:
+        details.visible, export.visible = state.inspector_tab == "details", state.inspector_tab == "export"
+
+    state.param.watch(show, "inspector_tab")
+    show()
+    return column(tabs, details, export)
+
+
+# ---- details ----------------------------------------------------------------------------------------------
+
+
+def _details(session: Session) -> pn.Column:
+    state = session.state
+    text = html()
+    save = dressed(
+        pn.widgets.FileDownload, callback=lambda: io.StringIO(session.files.settings_file()[1]), filename="take.json",
+        label="Save settings file", button_type="default", embed=False,
+    )  # fmt: skip
+
+    def show(*_: Any) -> None:
+        take = state.take()
+        text.object = describe(take) if take else "<p class='hint'>Pick a take to see what made it.</p>"
+        name, _text = session.files.settings_file()
+        save.param.update(visible=bool(name), filename=name or "take.json")
+
+    state.param.watch(show, ["selected", "takes"])
+    show()
+    return column(text, save, gap=8)
+
+
+def describe(take: Take) -> str:
+    """Markup on a take: what made it, its quality, how to make it again."""
+    return _made(take) + _quality(take) + _reproduce(take)
+
+
+def _made(take: Take) -> str:
+    motion, made = take.motion, take.motion.provenance
+    length = f"{motion.frames:,} frames · {motion.fps:g} fps · {motion.duration:.1f} s"
+    if take.settings is None:
+        joints = f"{motion.skeleton.name}, {len(motion.skeleton)} joints"
+        rows = {"File": escape(take.source), "Length": length, "Skeleton": escape(joints)}
+    else:
+        drawn = take.settings
+        scaled = ", ".join(f"{joint} × {factor:g}" for joint, factor in drawn.bone_scale.items())
+        rows = {
+            "Engine": escape(" · ".join(part for part in (drawn.engine, drawn.variant) if part)),
+            "Weights": f"{made.weights[:4]}…{made.weights[-4:]}" if made.weights else "",
+            "Action": escape(drawn.action),
+            "Seed": f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
+            "Length": length,
+            "Proportions": escape(scaled),
+        }
+    return _section(f"What made {take.title.lower()}", rows)
+
+
+def _quality(take: Take) -> str:
+    rows = {}
+    for measure in measures(take.metrics):
+        real = f"<small>real {measure.real}</small>" if measure.real else ""
+        rows[measure.name] = f"<span class='{measure.level}'>{measure.text}</span>{real}"
+    return _section("Quality", rows) if rows else ""
+
+
+def _reproduce(take: Take) -> str:
+    if take.settings is None:
+        return ""
+    return f"<section><h4>Reproduce</h4><code>motionloom generate --settings {take.id}.json</code></section>"
+
+
+def _section(title: str, rows: dict[str, str]) -> str:
+    """A table under a heading; the values are markup, the empty ones left out."""
+    lines = "".join(f"<tr><th scope='row'>{name}</th><td>{value}</td></tr>" for name, value in rows.items() if value)
+    return f"<section><h4>{title}</h4><table>{lines}</table></section>"
+
+
+# ---- export -----------------------------------------------------------------------------------------------
+
+
+def _export(session: Session) -> pn.Column:
+    state = session.state
+    kind = Segments(options=FORMATS, label="File format", sizing_mode="stretch_width", margin=0)
+    size = dressed(pn.widgets.Select, name="Size", options=SIZES)
+    camera = dressed(pn.widgets.Select, name="Camera", options=CAMERAS)
+    about = html()
+    tie(kind, state, value="export_format")
+    tie(size, state, value="export_size")
+    tie(camera, state, value="export_camera")
+    video = row(size, camera)
+
+    def show(*_: Any) -> None:
+        video.visible = state.export_format in ("mp4", "gif")
+        about.object = f"<p class='hint' style='margin:0'>{_ABOUT[state.export_format]}</p>"
+
+    state.param.watch(show, "export_format")
+    show()
+    return column(kind, about, video, _export_box(session))
+
+
+def _export_box(session: Session) -> ExportBox:
+    state = session.state
+    box = ExportBox(sizing_mode="stretch_width", margin=0)
+    tie(
+        box, state, status="export_status", progress="export_progress", error="export_error", file="export_name",
+        url="export_url", bytes="export_bytes",
+    )  # fmt: skip
+
+    def label() -> dict[str, Any]:
+        take = state.take()
+        name = take.title.lower() if take else "a take"
+        return {"ready": take is not None, "label": f"Export {name} as {state.export_format.upper()}"}
+
+    follow(box, state, ["selected", "takes", "export_format"], label)
+    box.on("export", lambda _: session.files.export())
+    box.on("cancel", lambda _: session.files.cancel_export())
+    return box

@@ -1,0 +1,170 @@
+"""The app's own components: a class each, its script and style in `studio/assets/`. Parameters only, no logic."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import param
+from panel.custom import JSComponent
+
+ASSETS = Path(__file__).resolve().parent.parent / "assets"
+
+
+@cache
+def read_asset(name: str) -> str:
+    """The text of a file in `studio/assets/`."""
+    return (ASSETS / name).read_text(encoding="utf-8")
+
+
+def _script(name: str) -> str:
+    return read_asset("dom.js") + read_asset(f"{name}.js")
+
+
+def _style(name: str) -> list[str]:
+    return [read_asset("base.css"), read_asset(f"{name}.css")]
+
+
+class Part(JSComponent):
+    """A component whose script sends `{do: ..., ...}` messages; `on(do, act)` says who listens."""
+
+    _esm = "export function render() {}"
+
+    def on(self, what: str, act: Any) -> Part:
+        """Call `act(message)` for each message of that kind. Returns itself."""
+
+        def heard(event: Any) -> None:
+            if isinstance(event.data, dict) and event.data.get("do") == what:
+                act(event.data)
+
+        self.on_msg(heard)
+        return self
+
+
+class Page(Part):
+    """Colours, shortcuts, help and the line in the corner."""
+
+    theme = param.String("dark")
+    message = param.String("")
+    title = param.String("motionloom")
+    about = param.String("")
+    _esm = _script("page")
+    _stylesheets = _style("page")
+
+
+class TopBar(Part):
+    """Name of the scene, undo and redo, import, export, colours, help."""
+
+    scene = param.String("")
+    undo_name = param.String("")
+    redo_name = param.String("")
+    theme = param.String("dark")
+    _esm = _script("topbar")
+    _stylesheets = _style("topbar")
+
+
+class Segments(Part):
+    """One of several, side by side."""
+
+    options = param.List([], doc="(value, text) pairs.")
+    value = param.String("")
+    label = param.String("", doc="What is chosen, for screen readers.")
+    role = param.String("radiogroup", doc="radiogroup or tablist.")
+    _esm = _script("segments")
+    _stylesheets = _style("segments")
+
+
+class ActionField(Part):
+    """The action asked for, with what is wrong with it."""
+
+    value = param.String("")
+    query = param.String("", doc="What is being typed and not yet taken.")
+    description = param.String("")
+    error = param.String("")
+    nearest = param.List([])
+    _esm = _script("action_field")
+    _stylesheets = _style("action_field")
+
+
+class ActionGrid(Part):
+    """The actions to choose from."""
+
+    actions = param.List([], doc="Dicts: name, description, group, picture (address or empty).")
+    value = param.String("")
+    query = param.String("")
+    _esm = _script("action_grid")
+    _stylesheets = _style("action_grid")
+
+
+class Seed(Part):
+    """The seed and its lock."""
+
+    value = param.Integer(0)
+    locked = param.Boolean(False)
+    _esm = _script("seed")
+    _stylesheets = _style("seed")
+
+
+class Generate(Part):
+    """The button, the line under it, the progress."""
+
+    busy = param.Boolean(False)
+    progress = param.Number(0.0)
+    problem = param.String("", doc="Why the button is disabled.")
+    named = param.Boolean(False, doc="That is already said above, where the action is typed.")
+    forecast = param.String("")
+    error = param.String("")
+    count = param.Integer(1)
+    _esm = _script("generate")
+    _stylesheets = _style("generate")
+
+
+class TakeGallery(Part):
+    """The takes as cards."""
+
+    takes = param.List([], doc="Dicts: id, title, subject, about, line, group, measures, favourite, accepted, again.")
+    selected = param.String("")
+    compared = param.List([])
+    shown = param.List([], doc="Ids on the stage, in its order.")
+    palette = param.List([], doc="Colours of the stage, in its order.")
+    thumbnails = param.Dict({})
+    busy = param.Boolean(False)
+    _esm = _script("takes")
+    _stylesheets = _style("takes")
+
+
+class Upload(Part):
+    """Import by choosing or dropping a file; pieces arrive as messages."""
+
+    accept = param.List([])
+    limit = param.Integer(0)
+    error = param.String("")
+    status = param.String("")
+    _esm = _script("upload")
+    _stylesheets = _style("upload")
+
+
+class ExportBox(Part):
+    """The export under way and its outcome."""
+
+    status = param.String("idle")
+    progress = param.Number(0.0)
+    error = param.String("")
+    file = param.String("")
+    url = param.String("")
+    bytes = param.Integer(0)
+    ready = param.Boolean(False)
+    label = param.String("Export")
+    _esm = _script("export")
+    _stylesheets = _style("export")
+
+
+class StageBar(Part):
+    """Which takes the stage shows."""
+
+    mode = param.String("all")
+    together = param.Integer(0, doc="Takes of the same draw.")
+    ticked = param.Integer(0, doc="Takes ticked for comparison.")
+    _esm = _script("stage_bar")
+    _stylesheets = _style("stage_bar")

@@ -1,0 +1,77 @@
+"""The stage: the player with its transport, showing the takes that are picked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+
+from studio.session import Session
+from studio.views.binding import follow, tie
+from studio.views.parts import StageBar
+
+
+def stage(session: Session) -> pn.Column:
+    """The 3D player over the whole middle, with a bar on it that says which takes are shown.
+
+    The player is made with the first takes, since it has nothing to show before.
+    """
+    state = session.state
+    bar = _bar(session)
+    place = pn.Column(bar, sizing_mode="stretch_both", margin=0)
+    player: Any = None
+
+    def restage(*_: Any) -> None:
+        nonlocal player
+        takes = [take for take in map(state.take, state.shown) if take is not None]
+        place.visible = bool(takes)
+        if not takes:
+            return
+        motions, names = [take.motion for take in takes], [take.title for take in takes]
+        if player is None:
+            player = _player(session, motions, names)
+            place.append(player)
+        else:
+            player.show_motions(motions, names)
+        player.selected = state.shown.index(state.selected) if state.selected in state.shown else 0
+
+    def reselect(event: Any) -> None:
+        if player is not None and event.new in state.shown:
+            player.selected = state.shown.index(event.new)
+
+    state.param.watch(restage, "shown")
+    state.param.watch(reselect, "selected")
+    restage()
+    return place
+
+
+def _player(session: Session, motions: list, names: list[str]) -> Any:
+    from viewers.web.player import PanelPlayer
+
+    state = session.state
+    player = PanelPlayer(
+        motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme, playing=True,
+        sync_url=True, global_keys=True,
+    )  # fmt: skip
+    tie(player, state, theme="theme")
+
+    def picked(event: Any) -> None:
+        if 0 <= event.new < len(state.shown):
+            session.select(state.shown[event.new])
+
+    player.param.watch(picked, "selected")
+    return player
+
+
+def _bar(session: Session) -> StageBar:
+    state = session.state
+    bar = StageBar(margin=0)
+    tie(bar, state, mode="stage_mode")
+
+    def show() -> dict[str, Any]:
+        take = state.take()
+        together = sum(other.group == take.group for other in state.takes) if take else 0
+        return {"together": together, "ticked": len(state.compared)}
+
+    follow(bar, state, ["takes", "selected", "compared"], show)
+    return bar

@@ -1,0 +1,70 @@
+"""Small stand-ins for an engine, so that the studio's own logic is tested without weights and within milliseconds."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from engines import SMPL22, Motion, Provenance, Segment
+from engines.actions import VOCABULARY
+from engines.errors import Cancelled, UnknownLabelError
+
+
+def sway(action: str = "walk", frames: int = 60, seed: int = 0, index: int = 0, fps: float = 20.0) -> Motion:
+    """A body that walks forward with swinging legs and arms; `seed` and `index` change step and swing."""
+    draw = np.random.default_rng([seed, index])
+    time_ = np.arange(frames) / fps
+    phase = 2 * math.pi * (0.8 + 0.4 * draw.random()) * time_ + draw.random() * 6
+    turns = np.zeros((frames, len(SMPL22), 4))
+    turns[..., 0] = 1.0
+    swing = 0.3 + 0.4 * draw.random()
+
+    def about(joint: str, axis: int, angle: np.ndarray) -> None:
+        turns[:, SMPL22.index(joint), 0] = np.cos(angle / 2)
+        turns[:, SMPL22.index(joint), 1 + axis] = np.sin(angle / 2)
+
+    about("left_hip", 0, -swing * np.sin(phase))
+    about("right_hip", 0, swing * np.sin(phase))
+    about("left_knee", 0, 0.3 + 0.3 * np.cos(phase))
+    about("right_knee", 0, 0.3 - 0.3 * np.cos(phase))
+    about("left_shoulder", 2, np.full(frames, -1.2))
+    about("right_shoulder", 2, np.full(frames, 1.2))
+    path = np.stack([np.zeros(frames), np.full(frames, 0.93), 1.1 * time_], axis=-1)
+    labels = (Segment(0, frames, "action", action),)
+    made = Provenance("fake", "0" * 64, action, seed, index, {"frames": frames})
+    return Motion(SMPL22, turns, path, fps, labels, made)
+
+
+class FakeEngine:
+    """Knows the vocabulary's first twenty actions; `slow` seconds pass for each motion of a draw."""
+
+    name, variant, description = "fake", "plain", "A stand-in."
+    variants = ("plain", "other")
+    weights_hash, licence = "f" * 64, "CC0"
+    capabilities = frozenset({"actions", "scale_bones", "variants"})
+    fps, max_frames = 20.0, 400
+
+    def __init__(self, variant: str = "plain", slow: float = 0.0) -> None:
+        self.variant, self.slow = variant, slow
+        self.actions = VOCABULARY[:20]
+        self.calls: list[dict] = []
+
+    def generate_many(self, action, count=4, frames=60, seed=0, progress=None, cancel=None, **extra):  # noqa: PLR0917
+        known = [a.name for a in self.actions]
+        if action not in known:
+            raise UnknownLabelError("action", action, known)
+        self.calls.append({"action": action, "count": count, "frames": frames, "seed": seed, **extra})
+        made = []
+        for index in range(count):
+            if cancel is not None and cancel():
+                raise Cancelled(f"generating {action} was cancelled")
+            time.sleep(self.slow)
+            made.append(sway(action, frames, seed, index))
+            if progress is not None:
+                progress(index + 1, count)
+        return made
+
+
+METRICS = {"foot_skate": 0.05, "jitter": 40.0, "ground_penetration": 0.001}
