@@ -56,8 +56,7 @@ class Variable:
         count = prod(self.shape)
         body = self._body
         if self._packed:
-            body = _unpack(body, count * 8 + _PREAMBLE + 8)
-            body = body[8:]
+            body = _unpack(body, count * 8 + _PREAMBLE, whole=True)[8:]
         parts = list(_elements(body, self._order, most=4))
         if len(parts) < 4 or parts[3][0] not in _STORED:
             raise ValueError(f"the values of {self.name} are missing")
@@ -121,12 +120,18 @@ def _elements(data: bytes, order: str, most: int) -> Iterator[tuple[int, bytes]]
         else:
             start = at + 8
             at = start + size if kind == _COMPRESSED else start + size + -size % 8
+        if start + size > len(data):
+            raise ValueError("it is cut short")
         yield kind, data[start : start + size]
 
 
-def _unpack(body: bytes, most: int) -> bytes:
-    """At most `most` bytes of what is packed in `body`."""
+def _unpack(body: bytes, most: int, whole: bool = False) -> bytes:
+    """At most `most` bytes of what is packed in `body`; if `whole`, that must be all of it."""
+    unpacker = zlib.decompressobj()
     try:
-        return zlib.decompressobj().decompress(body, most)
+        data = unpacker.decompress(body, most)
     except zlib.error as error:
         raise ValueError(f"a packed variable is damaged: {error}") from error
+    if whole and not unpacker.eof:
+        raise ValueError("a packed variable is cut short, or longer than its shape says")
+    return data
