@@ -1,0 +1,168 @@
+"""Body: a skin over a skeleton, in the form every viewer wants it: rest mesh, weights, colours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from engines.errors import SkeletonError
+from engines.motion import Motion
+from engines.skeletons.skeleton import Skeleton
+
+INFLUENCES = 4
+"""Joints a vertex may hang on; the number every graphics API is happy with."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A triangle mesh in its skeleton's rest pose with skin weights and colours. Arrays are read-only.
+
+    Raises:
+        SkeletonError: arrays do not fit together.
+    """
+
+    name: str
+    """What `bodies.get` knows it by."""
+    skeleton: Skeleton
+    """The skeleton the weights refer to."""
+    vertices: np.ndarray
+    """(V, 3) float32 rest positions, metres."""
+    faces: np.ndarray
+    """(F, 3) uint32 vertex indices, counter-clockwise from outside."""
+    normals: np.ndarray
+    """(V, 3) float32 unit rest normals."""
+    skin_indices: np.ndarray
+    """(V, 4) uint16 joint indices."""
+    skin_weights: np.ndarray
+    """(V, 4) float32 weights, summing to one, largest first."""
+    colours: np.ndarray
+    """(V, 3) uint8 sRGB base colours."""
+    tint: np.ndarray
+    """(V,) float32: how far an actor's own colour replaces the base colour (1 on the shirt, 0 on skin)."""
+    coarse: tuple[np.ndarray, ...] = ()
+    """Fewer faces (F', 3) over the same vertices, the finer first: for figures that are small, shadows and ghosts."""
+    licence: str = ""
+    """Where the mesh comes from and on what terms."""
+
+    def __post_init__(self) -> None:
+        wanted = {
+            "vertices": (np.float32, 3), "faces": (np.uint32, 3), "normals": (np.float32, 3),
+            "skin_indices": (np.uint16, INFLUENCES), "skin_weights": (np.float32, INFLUENCES),
+            "colours": (np.uint8, 3), "tint": (np.float32, None),
+        }  # fmt: skip
+        count = len(self.vertices)
+        for field, (kind, width) in wanted.items():
+            array = np.ascontiguousarray(getattr(self, field), dtype=kind)
+            rows = len(self.faces) if field == "faces" else count
+            shape = (rows,) if width is None else (rows, width)
+            if array.shape != shape:
+                raise SkeletonError(f"body {self.name!r}: {field} has shape {array.shape}; accepted: {shape}.")
+            array.setflags(write=False)
+            object.__setattr__(self, field, array)
+        object.__setattr__(self, "coarse", tuple(np.ascontiguousarray(level, np.uint32) for level in self.coarse))
+        if count and (self.skin_indices.max() >= len(self.skeleton) or (len(self.faces) and self.faces.max() >= count)):
+            raise SkeletonError(f"body {self.name!r}: faces or weights point at vertices or joints that do not exist.")
+
+    def painted(self, colour: tuple[float, float, float] | None) -> np.ndarray:
+        """(V, 3) uint8 sRGB: the base colours, with `colour` (sRGB, 0..1) laid over them where `tint` says so.
+
+        The base colour's own lightness differences survive, so trousers stay darker than the shirt.
+        """
+        if colour is None:
+            return self.colours
+        amount = self.tint[:, None]
+        wanted = np.asarray(colour, dtype=np.float32) * 255.0
+        return np.round(self.colours * (1 - amount) + wanted * amount).clip(0, 255).astype(np.uint8)
+
+    def posed(self, motion: Motion, frame: int = 0) -> np.ndarray:
+        """(V, 3) float32 vertices of one frame, skinned on the CPU: for exporters and tests, not for playback.
+
+        Raises:
+            SkeletonError: the motion lives on another skeleton.
+        """
+        if motion.skeleton != self.skeleton:
+            raise SkeletonError(
+                f"body {self.name!r} is skinned to {self.skeleton.name!r}, not {motion.skeleton.name!r}."
+            )
+        matrices = skinning_matrices(self.skeleton, motion.positions[frame], motion.global_rotations[frame])
+        return self.skinned(matrices)
+
+    def skinned(self, matrices: np.ndarray) -> np.ndarray:
+        """(V, 3) float32 vertices under skinning matrices (J, 3, 4)."""
+        blended = np.einsum("vk,vkij->vij", self.skin_weights, np.asarray(matrices, np.float32)[self.skin_indices])
+        return np.einsum("vij,vj->vi", blended[:, :, :3], self.vertices) + blended[:, :, 3]
+
+    def fitted(self, skeleton: Skeleton) -> Body:
+        """This body stretched to a skeleton of the same joints with other bone lengths.
+
+        Limbs are stretched along their bones and keep their thickness; hands, feet and head keep their size.
+
+        Raises:
+            SkeletonError: other joints or another tree.
+        """
+        if skeleton == self.skeleton:
+            return self
+        if skeleton.joints != self.skeleton.joints or skeleton.parents != self.skeleton.parents:
+            raise SkeletonError(f"body {self.name!r} fits skeletons of {self.skeleton.name!r}'s joints only.")
+        here, there = self.skeleton.rest_positions, skeleton.rest_positions
+        stretch = _bone_stretch(self.skeleton, skeleton)
+        matrices = np.concatenate([stretch, (there - np.einsum("jab,jb->ja", stretch, here))[..., None]], axis=-1)
+        return replace(self, skeleton=skeleton, vertices=self.skinned(matrices))
+
+    @cached_property
+    def height(self) -> float:
+        """Metres from the lowest to the highest vertex of the rest pose."""
+        return float(np.ptp(self.vertices[:, 1])) if len(self.vertices) else 0.0
+
+
+def skinning_matrices(skeleton: Skeleton, positions: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Matrices that carry rest-pose points with each joint.
+
+    Args:
+        skeleton: gives the rest positions (J, 3).
+        positions: (..., J, 3) joint positions, metres.
+        turns: (..., J, 3, 3) global rotations.
+
+    Returns:
+        (..., J, 3, 4) float32 rows [R | p - R rest].
+    """
+    moved = positions - np.einsum("...jab,jb->...ja", turns, skeleton.rest_positions)
+    return np.concatenate([turns, moved[..., None]], axis=-1).astype(np.float32)
+
+
+def _bone_stretch(old: Skeleton, new: Skeleton) -> np.ndarray:
+    """(J, 3, 3) stretch along each joint's main bone: the one to its farthest child that lies in the same chain."""
+    stretch = np.tile(np.eye(3), (len(old), 1, 1))
+    for joint, children in enumerate(old.children):
+        if not children:
+            continue
+        child = max(children, key=lambda c: abs(old.offsets[c][1])) if joint == 0 else children[0]
+        length = old.bone_lengths[child]
+        if length > 1e-6:
+            along = old.offsets[child] / length
+            stretch[joint] += (new.bone_lengths[child] / length - 1.0) * np.outer(along, along)
+    return stretch
+
+
+def eight_bit_weights(weights: np.ndarray) -> np.ndarray:
+    """(V, 4) weights in 255ths that still sum to one exactly: the largest takes what rounding left."""
+    rounded = np.round(weights * 255).astype(np.int64)
+    largest = rounded.argmax(1)
+    rounded[np.arange(len(rounded)), largest] += 255 - rounded.sum(1)
+    return rounded.astype(np.uint8)
+
+
+def vertex_normals(vertices: np.ndarray, faces: np.ndarray, groups: np.ndarray | None = None) -> np.ndarray:
+    """(V, 3) float32 unit normals, area-weighted; vertices of one group (same place, split by colour) share theirs."""
+    corners = vertices[faces].astype(np.float64)
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    where = faces if groups is None else groups[faces]
+    total = np.zeros((len(vertices), 3))
+    for corner in range(3):
+        np.add.at(total, where[:, corner], flat)
+    if groups is not None:
+        total = total[groups]
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return (total / np.where(length > 0, length, 1.0)).astype(np.float32)

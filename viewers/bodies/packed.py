@@ -1,0 +1,91 @@
+"""The baked body as a small file, and back: positions in 16 bits, weights and normals in 8."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from engines.skeletons import SMPL22
+from viewers.bodies.body import INFLUENCES, Body, eight_bit_weights
+
+if TYPE_CHECKING:
+    from viewers.bodies.baking.dress import Dressed
+
+UNIT = 1.0 / 32000
+"""Metres of one step of the stored positions; bodies reach 1 m from the pelvis."""
+
+
+def save(dressed: Dressed, path: Path) -> None:
+    """Write a freshly baked body beside `path`, then rename."""
+    garments = dressed.garments
+    faces = _in_order(garments.vertices, garments.faces)
+    order, number = _by_first_use(faces, len(garments.vertices))
+    index, weights = strongest(garments.weights[order])
+    arrays = {
+        "vertices": np.round(garments.vertices[order] / UNIT).astype(np.int16),
+        "normals": np.round(garments.normals[order] * 127).astype(np.int8),
+        "faces": number[faces].astype(np.uint16),
+        "skin_indices": index.astype(np.uint8),
+        "skin_weights": eight_bit_weights(weights),
+        "colours": dressed.colours[order],
+        "tint": np.round(dressed.tint[order] * 255).astype(np.uint8),
+    }
+    for level, coarse in enumerate(garments.coarse):
+        arrays[f"coarse{level}"] = number[_in_order(garments.vertices, coarse)].astype(np.uint16)
+    part = path.with_suffix(".part.npz")
+    np.savez_compressed(part, **arrays)
+    part.replace(path)
+
+
+def strongest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The four strongest joints (V, 4) of full weights (V, J), and their weights (V, 4) summing to one.
+
+    What is left out fades as it becomes the fifth: the weakest of the four are lessened by it, so that
+    neighbours that keep different fours stay close.
+    """
+    order = np.argsort(-weights, axis=1, kind="stable")[:, : INFLUENCES + 1]
+    kept = np.take_along_axis(weights, order, axis=1)
+    kept = np.maximum(kept[:, :INFLUENCES] - kept[:, INFLUENCES:], 0.0)
+    return order[:, :INFLUENCES], kept / kept.sum(1, keepdims=True)
+
+
+def unpack(path: Path, name: str, licence: str) -> Body:
+    """The body in a file that `save` wrote."""
+    with np.load(path, allow_pickle=False) as stored:
+        levels = sorted(key for key in stored.files if key.startswith("coarse"))
+        normals = stored["normals"].astype(np.float32)
+        return Body(
+            name=name,
+            skeleton=SMPL22,
+            vertices=stored["vertices"] * np.float32(UNIT),
+            faces=stored["faces"],
+            normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
+            skin_indices=stored["skin_indices"],
+            skin_weights=stored["skin_weights"] / np.float32(255),
+            colours=stored["colours"],
+            tint=stored["tint"] / np.float32(255),
+            coarse=tuple(stored[key] for key in levels),
+            licence=licence,
+        )
+
+
+def _in_order(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Faces sorted along a space-filling curve, so that neighbours are drawn, and compressed, together."""
+    middle = vertices[faces].mean(1)
+    cells = np.clip((middle - middle.min(0)) / (np.ptp(middle, axis=0).max() + 1e-9) * 1023, 0, 1023).astype(np.int64)
+    code = np.zeros(len(faces), np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return faces[np.argsort(code, kind="stable")]
+
+
+def _by_first_use(faces: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Order of vertices by the first face that uses them, and each vertex's number in that order."""
+    used, first = np.unique(faces.ravel(), return_index=True)
+    order = used[np.argsort(first)]
+    number = np.zeros(count, np.int64)
+    number[order] = np.arange(len(order))
+    return order, number

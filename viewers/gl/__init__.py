@@ -1,0 +1,1 @@
+"""The parts of the OpenGL renderer: context, programs, figures, marks, targets."""

@@ -1,0 +1,107 @@
+"""One OpenGL context for each thread that draws, made without a screen, and the programs compiled in it."""
+
+from __future__ import annotations
+
+import logging
+import re
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from engines.errors import MotionloomError
+
+if TYPE_CHECKING:
+    import moderngl
+
+SHADERS = Path(__file__).resolve().parent.parent / "shaders"
+_LOG = logging.getLogger(__name__)
+_LOCAL = threading.local()
+
+_ATTEMPTS: tuple[tuple[str, dict[str, str]], ...] = (
+    ("EGL", {"backend": "egl"}),
+    ("EGL by its library names", {"backend": "egl", "libgl": "libGL.so.1", "libegl": "libEGL.so.1"}),
+    ("EGL without libGL", {"backend": "egl", "libgl": "libOpenGL.so.0", "libegl": "libEGL.so.1"}),
+    ("the window system", {}),
+)
+
+
+class NoGraphicsError(MotionloomError):
+    """No OpenGL context could be made; the message says what to install."""
+
+    def __init__(self, failures: list[str]) -> None:
+        super().__init__(
+            "pictures and videos need OpenGL 3.3, and no way to it was found (" + "; ".join(failures) + "). Install a "
+            "driver or Mesa's software renderer, which needs neither GPU nor screen: "
+            "'apt-get install libegl1 libgl1 libgl1-mesa-dri' on Debian or Ubuntu, "
+            "'dnf install mesa-libEGL mesa-libGL mesa-dri-drivers' on Fedora."
+        )
+
+
+class GraphicsContext:
+    """A context and what is compiled and uploaded in it. Belongs to the thread that made it."""
+
+    def __init__(self) -> None:
+        self.gl: moderngl.Context = open_context()
+        self.thread = threading.get_ident()
+        self._programs: dict[tuple[str, str, int], moderngl.Program] = {}
+        self.cache: dict[object, object] = {}
+        """Uploaded meshes and the like, keyed by their owners."""
+
+    def program(self, vertex: str, fragment: str, rows: int = 0) -> moderngl.Program:
+        """The program of two shader files (names without folder and ending), compiled once.
+
+        Args:
+            vertex: vertex shader.
+            fragment: fragment shader.
+            rows: how many rows of joint matrices the shaders take, if they skin.
+        """
+        key = (vertex, fragment, rows)
+        if key not in self._programs:
+            self._programs[key] = self.gl.program(
+                vertex_shader=source(f"{vertex}.vert.glsl", rows), fragment_shader=source(f"{fragment}.frag.glsl", rows)
+            )
+        return self._programs[key]
+
+
+def context() -> GraphicsContext:
+    """This thread's context, made on first use.
+
+    An OpenGL context can be current in one thread only; so every thread that draws has its own, and objects made
+    with one must not be used in another.
+
+    Raises:
+        NoGraphicsError: no OpenGL here.
+    """
+    found = getattr(_LOCAL, "context", None)
+    if found is None:
+        found = _LOCAL.context = GraphicsContext()
+    return found
+
+
+def open_context() -> moderngl.Context:
+    """A fresh OpenGL 3.3 context without a window: EGL first (works without a screen), then the window system.
+
+    Raises:
+        NoGraphicsError: nothing worked; says what was tried and what to install.
+    """
+    import moderngl
+
+    failures = []
+    attempts = _ATTEMPTS if sys.platform.startswith("linux") else _ATTEMPTS[-1:]
+    for name, options in attempts:
+        try:
+            opened = moderngl.create_context(standalone=True, require=330, **options)
+        except Exception as problem:  # glcontext raises bare Exception, OSError, ImportError, ...
+            failures.append(f"{name}: {problem}")
+            continue
+        _LOG.info("drawing with %s (OpenGL %s), through %s", opened.info["GL_RENDERER"], opened.version_code, name)
+        return opened
+    raise NoGraphicsError(failures)
+
+
+def source(name: str, rows: int = 0) -> str:
+    """Text of a shader file, its #include lines filled in."""
+    text = (SHADERS / name).read_text(encoding="utf-8")
+    text = re.sub(r'#include "([\w.]+)"', lambda match: (SHADERS / match[1]).read_text(encoding="utf-8"), text)
+    return text.replace("ROWS", str(rows))

@@ -1,0 +1,101 @@
+"""Bodies on the GPU: a mesh once, and the joint matrices of a whole clip in one buffer, bound a range a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from engines.errors import OutOfRangeError
+from viewers.bodies.body import Body, eight_bit_weights
+from viewers.gl.context import GraphicsContext
+
+_BLOCK = 64
+"""Programs are compiled for multiples of so many joints, so that most skeletons share one."""
+_LAYOUT = np.dtype(
+    [("position", "<f4", 3), ("normal", "<f2", 4), ("joints", "<u2", 4), ("weights", "u1", 4), ("colour", "u1", 4)]
+)
+_FULL = ("3f 3f2 x2 4u2 4f1 3f1 x1", ("in_position", "in_normal", "in_joints", "in_weights", "in_colour"))
+_SHADOW = ("3f 4x2 4u2 4f1 4x1", ("in_position", "in_joints", "in_weights"))
+
+
+@dataclass
+class Mesh:
+    """A body uploaded in one thread's context."""
+
+    rows: int
+    """Rows of joint matrices its programs expect."""
+    shaded: moderngl.VertexArray
+    """Draws it in colour."""
+    flat: moderngl.VertexArray
+    """Draws its shadow."""
+
+
+def rows_for(joints: int) -> int:
+    """Rows (three a joint) of the smallest program that holds so many joints."""
+    return 3 * _BLOCK * -(-joints // _BLOCK)
+
+
+def mesh(graphics: GraphicsContext, body: Body, colour: tuple[float, float, float] | None) -> Mesh:
+    """The body in that colour, uploaded once per context.
+
+    Raises:
+        OutOfRangeError: more joints than the graphics driver has room for.
+    """
+    key = (id(body), colour)
+    held = graphics.cache.get(key)
+    if isinstance(held, tuple) and held[0] is body:
+        return held[1]
+    made = _upload(graphics, body, colour)
+    graphics.cache[key] = (body, made)  # holding the body keeps its id from being used again
+    return made
+
+
+def _upload(graphics: GraphicsContext, body: Body, colour: tuple[float, float, float] | None) -> Mesh:
+    rows = rows_for(len(body.skeleton))
+    room = graphics.gl.info["GL_MAX_UNIFORM_BLOCK_SIZE"] // 48
+    if rows * 16 > graphics.gl.info["GL_MAX_UNIFORM_BLOCK_SIZE"]:
+        raise OutOfRangeError("number of joints", len(body.skeleton), f"at most {room - room % _BLOCK}")
+    packed = np.zeros(len(body.vertices), _LAYOUT)
+    packed["position"] = body.vertices
+    packed["normal"][:, :3] = body.normals
+    packed["joints"] = body.skin_indices
+    packed["weights"] = eight_bit_weights(body.skin_weights)
+    packed["colour"][:, :3] = body.painted(colour)
+    buffer = graphics.gl.buffer(packed.tobytes())
+    index = graphics.gl.buffer(body.faces.astype(np.uint32).tobytes())
+    shaded = graphics.program("figure", "figure", rows)
+    flat = graphics.program("shadow", "shadow", rows)
+    for program in (shaded, flat):
+        block = program["Pose"]
+        assert isinstance(block, moderngl.UniformBlock)
+        block.binding = 0
+    return Mesh(
+        rows,
+        graphics.gl.vertex_array(shaded, [(buffer, _FULL[0], *_FULL[1])], index),
+        graphics.gl.vertex_array(flat, [(buffer, _SHADOW[0], *_SHADOW[1])], index),
+    )
+
+
+class Poses:
+    """Joint matrices of N moments of one body, on the GPU."""
+
+    def __init__(self, graphics: GraphicsContext, matrices: np.ndarray, rows: int) -> None:
+        """Upload matrices (N, J, 3, 4) for programs that take `rows` rows."""
+        count, joints = matrices.shape[:2]
+        align = max(graphics.gl.info.get("GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT", 256), 16)
+        self._stride = -(-joints * 48 // align) * align
+        self._size = rows * 16
+        data = np.zeros((count, self._stride // 4), np.float32)
+        data[:, : joints * 12] = matrices.reshape(count, -1)
+        tail = np.zeros(self._size, np.uint8)  # the last range must be as long as the block
+        self._buffer = graphics.gl.buffer(data.tobytes() + tail.tobytes())
+
+    def bind(self, moment: int) -> None:
+        """Make programs read the matrices of one moment."""
+        self._buffer.bind_to_uniform_block(0, offset=moment * self._stride, size=self._size)
+
+    def release(self) -> None:
+        """Free the memory on the GPU."""
+        self._buffer.release()
