@@ -60,7 +60,7 @@ def save(path: Path, arrays: Mapping[str, np.ndarray]) -> Path:
             np.lib.format.write_array(buffer, np.asarray(values), allow_pickle=False)
             entry = zipfile.ZipInfo(f"{name}.npy")  # dated 1980, unlike what numpy.savez writes
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, buffer.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=4)
+            archive.writestr(entry, buffer.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=1)
     return path
 
 
