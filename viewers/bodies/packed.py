@@ -21,7 +21,8 @@ def save(dressed: Dressed, path: Path) -> None:
     """Write a freshly baked body beside `path`, then rename."""
     garments = dressed.garments
     faces = _in_order(garments.vertices, garments.faces)
-    order, number = _by_first_use(faces, len(garments.vertices))
+    coarse = [_in_order(garments.vertices, level) for level in garments.coarse]
+    order, number = _by_first_use(np.concatenate([faces, *coarse]), len(garments.vertices))
     index, weights = strongest(garments.weights[order])
     arrays = {
         "vertices": np.round(garments.vertices[order] / UNIT).astype(np.int16),
@@ -32,8 +33,8 @@ def save(dressed: Dressed, path: Path) -> None:
         "colours": dressed.colours[order],
         "tint": np.round(dressed.tint[order] * 255).astype(np.uint8),
     }
-    for level, coarse in enumerate(garments.coarse):
-        arrays[f"coarse{level}"] = number[_in_order(garments.vertices, coarse)].astype(np.uint16)
+    for level, less in enumerate(coarse):
+        arrays[f"coarse{level}"] = number[less].astype(np.uint16)
     part = path.with_suffix(".part.npz")
     np.savez_compressed(part, **arrays)
     part.replace(path)

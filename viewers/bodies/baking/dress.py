@@ -149,7 +149,7 @@ def soften(mesh: SkinMesh) -> SkinMesh:
 
 
 def _evened(v: np.ndarray, mesh: SkinMesh, chosen: np.ndarray, width: float) -> np.ndarray:
-    """(V, 3) with the chosen vertices at the mean of the surface around them, `width` metres wide, whatever its mesh."""
+    """(V, 3) with the chosen vertices at the mean depth of the surface around them, `width` metres wide."""
     corners = v[mesh.faces]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     middles, front = corners.mean(1), _outward(mesh)[mesh.faces].mean(1)[:, 2] > 0.1

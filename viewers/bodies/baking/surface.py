@@ -49,7 +49,7 @@ class Cut:
 
 
 def cut(mesh: SkinMesh, regions: np.ndarray, field: np.ndarray, region: int, over: tuple[int, ...]) -> Cut:
-    """Divide faces of the regions `over` along the line where `field` (V,) is zero; the positive side becomes `region`."""
+    """Divide faces of the regions `over` where `field` (V,) is zero; the positive side becomes `region`."""
     wanted = np.isin(regions, over)
     mesh, field = _snapped(mesh, field, mesh.faces[wanted])
     faces = mesh.faces
@@ -157,18 +157,17 @@ def thicken(mesh: SkinMesh, level: Level, thickness: np.ndarray, coarse: Sequenc
     """
     levels = [level, *coarse]
     lined = [_lined(level, lining) for level in levels]
-    all_faces, regions = lined[0]
     bare = vertex_normals(mesh.vertices, mesh.faces).astype(np.float64)
-    pairs = np.stack([np.repeat(regions, 3), all_faces.ravel()], axis=-1)
-    pairs, number = np.unique(pairs, axis=0, return_inverse=True)
+    pairs = np.concatenate([np.stack([np.repeat(kind, 3), faces.ravel()], axis=-1) for faces, kind in lined])
+    pairs = np.unique(pairs, axis=0)
     region, source = pairs[:, 0], pairs[:, 1]
-    faces = number.reshape(-1, 3)
-    vertices = mesh.vertices[source] + bare[source] * thickness[region, source][:, None]
-    lifted = thickness[region, source] > 0
-    normals = np.where(lifted[:, None], vertex_normals(vertices, faces), bare[source])
-    shell = Garments(vertices, normals, faces, mesh.weights[source], region)
     known = {pair: n for n, pair in enumerate(map(tuple, pairs.tolist()))}
     shelled = [_renumbered(level, known) for level in lined]
+    vertices = mesh.vertices[source] + bare[source] * thickness[region, source][:, None]
+    normals = vertex_normals(vertices, shelled[0])
+    own = (thickness[region, source] > 0) & (np.abs(normals).sum(1) > 0)
+    normals = np.where(own[:, None], normals, bare[source])
+    shell = Garments(vertices, normals, shelled[0], mesh.weights[source], region)
     rims = [_rims(*level, new[: len(level[0])], vertices) for level, new in zip(levels, shelled, strict=True)]
     return _with_rims(shell, shelled, rims)
 

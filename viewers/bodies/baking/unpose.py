@@ -67,8 +67,7 @@ def joint_heads(raw: dict[str, np.ndarray]) -> np.ndarray:
     for bone, head in zip(raw["bones"], raw["heads"], strict=True):
         if "Hand" not in bone or bone.endswith("Hand"):
             heads[joint_of(str(bone))] = head
-    heads = (heads + heads[SMPL22.mirror_index] * [-1, 1, 1]) / 2
-    return heads
+    return (heads + heads[SMPL22.mirror_index] * [-1, 1, 1]) / 2
 
 
 def bone_turns(raw: dict[str, np.ndarray]) -> list[BoneTurn]:
