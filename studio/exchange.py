@@ -9,17 +9,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import engines
+from engines import formats
 from engines.errors import FormatError, MotionloomError, OutOfRangeError
 from studio import downloads, tasks
 from studio.jobs import Job
-from studio.settings import Settings
+from studio.settings import Settings, ending
 
 if TYPE_CHECKING:
     from studio.session import Session
 
 UPLOAD_LIMIT = 64 * 2**20
 """Largest file that can be imported, bytes."""
-IMPORTS = (".bvh", ".npz", ".mat")
+IMPORTS = tuple(
+    sorted({Path("motion" + end).suffix for kind in formats.formats() if kind.reads for end in kind.extensions})
+)
 """Extensions the app reads."""
 UNTITLED = "Untitled scene"
 """Name of a scene that was not given one; it does not go into file names."""
@@ -82,7 +85,7 @@ class Exchange:
         if take is None or state.export_status in ("queued", "running"):
             return
         how = state.export_settings()
-        name = f"{self._prefix()}{take.id}-{tasks.slug(Path(take.subject).stem)}.{state.export_format}"
+        name = f"{self._prefix()}{take.id}-{tasks.slug(Path(take.subject).stem)}{ending(state.export_format)}"
         path = Path(tempfile.mkdtemp(dir=self.folder)) / name
         state.param.update(
             export_status="queued", export_progress=0.0, export_error="", export_name=name, export_url="",

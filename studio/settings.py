@@ -24,8 +24,8 @@ MAX_SEED = 2**31 - 1
 MAX_COUNT = 32
 MAX_FRAMES = 12000
 VIDEO_FORMATS = ("mp4", "gif")
-MOTION_FORMATS = ("bvh", "npz")
-FORMATS = VIDEO_FORMATS + MOTION_FORMATS
+FORMATS = (*VIDEO_FORMATS, "bvh", "npz", "amass")
+"""What can be exported: videos, BVH, the project's own lossless .npz, AMASS .npz."""
 CAMERAS = ("follow", "orbit", "front", "back", "left", "right")
 
 
@@ -65,7 +65,7 @@ class ExportSettings:
     """How motions are written."""
 
     formats: tuple[str, ...] = ("bvh",)
-    """Any of mp4, gif (rendered), bvh, npz (motion data)."""
+    """Any of mp4, gif (rendered), bvh, npz (motionloom's own, lossless), amass (SMPL poses)."""
     width: int = 1280
     """Video width in pixels, even."""
     height: int = 720
@@ -153,6 +153,17 @@ def parse_settings(text: str, source: str | Path = "settings") -> Settings:
         raise
     except MotionloomError as problem:
         raise FormatError(source, str(problem)) from None
+
+
+def ending(format: str) -> str:
+    """What the name of a file of a format ends with."""
+    return ".amass.npz" if format == "amass" else f".{format}"
+
+
+def format_of(path: str | Path) -> str | None:
+    """The export format a file's name says, or None."""
+    name = Path(path).name.lower()
+    return next((f for f in reversed(FORMATS) if name.endswith(ending(f))), None)
 
 
 def read_settings(path: str | Path) -> Settings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import param
 
 from engines.errors import MotionloomError, UnknownLabelError
-from studio.settings import MAX_COUNT, MAX_FRAMES, MAX_SEED, ExportSettings, GenerateSettings
+from studio.settings import FORMATS, MAX_COUNT, MAX_FRAMES, MAX_SEED, ExportSettings, GenerateSettings
 from studio.takes import Take
 
 
@@ -62,7 +62,7 @@ class StudioState(param.Parameterized):
     message = param.String("", doc="One line for the corner of the screen.")
 
     # ---- export ----
-    export_format = param.Selector(default="mp4", objects=["mp4", "gif", "bvh", "npz"], doc="Kind of file.")
+    export_format = param.Selector(default="mp4", objects=list(FORMATS), doc="Kind of file.")
     export_size = param.Selector(
         default=(1280, 720), objects=[(854, 480), (1280, 720), (1920, 1080), (720, 720)], doc="Video size, pixels."
     )
@@ -104,7 +104,7 @@ class StudioState(param.Parameterized):
     def problem(self) -> str:
         """Why Generate cannot be pressed; empty when it can."""
         if not self.engine_ready:
-            return "Loading the engine…"
+            return "The engine could not be loaded." if self.generate_error else "Loading the engine…"
         if not self.action.strip():
             return "Choose an action."
         try:

@@ -13,7 +13,7 @@ from typing import Any
 
 import engines
 from engines import Motion
-from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings
+from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
 
 Progress = Callable[[int, int], None]
 Cancel = Callable[[], bool]
@@ -75,9 +75,8 @@ def export(
     progress: Progress | None = None,
     cancel: Cancel | None = None,
 ) -> Path:
-    """Write one file, its format told by the extension, by the settings. Returns the path."""
-    kind = path.suffix.lstrip(".").lower()
-    if kind not in VIDEO_FORMATS:
+    """Write one file, its format told by its name, by the settings. Returns the path."""
+    if format_of(path) not in VIDEO_FORMATS:
         return (motion.resample(settings.fps) if settings.fps else motion).write(path)
     import viewers
 

@@ -9,7 +9,7 @@ export function render({model, el}) {
       : h("button", {class: "btn primary wide", "data-key": "main", type: "button", disabled: Boolean(model.problem), "aria-describedby": "forecast", title: "Ctrl+Enter",
           onclick: () => model.send_msg({do: "generate"})}, label, h("kbd", {"aria-hidden": "true"}, "Ctrl ⏎"))
     const line = model.busy
-      ? h("progress", {max: "1", value: String(model.progress), "aria-label": "Generating"})
+      ? h("progress", {max: "1", value: model.progress > 0 ? String(model.progress) : null, "aria-label": "Generating"})
       : h("p", {class: "hint", id: "forecast"}, model.named ? "Choose an action it knows." : model.problem || model.forecast)
     redraw(box, main, line, model.error && h("p", {class: "error", role: "alert"}, model.error))
   })

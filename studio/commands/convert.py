@@ -12,7 +12,7 @@ from engines.errors import OutOfRangeError
 
 def convert(
     source: Annotated[Path, typer.Argument(metavar="IN", help="Motion file to read: .bvh, .npz, .mat")],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Motion file to write: .bvh or .npz")],
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="Motion file to write: .bvh, .npz or .amass.npz")],
     fps: Annotated[float | None, typer.Option(metavar="RATE", help="Resample to this many frames a second.")] = None,
     retarget: Annotated[
         str | None, typer.Option(metavar="SKELETON", help="Move onto a named skeleton, as smpl22.")

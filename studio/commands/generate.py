@@ -20,7 +20,16 @@ from studio.commands.console import (
     progress_bar,
     settings_from,
 )  # fmt: skip
-from studio.settings import FORMATS, VIDEO_FORMATS, ExportSettings, GenerateSettings, Settings, write_settings
+from studio.settings import (
+    FORMATS,
+    VIDEO_FORMATS,
+    ExportSettings,
+    GenerateSettings,
+    Settings,
+    ending,
+    format_of,
+    write_settings,
+)
 
 
 def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
@@ -35,7 +44,7 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         Path, typer.Option("--out", "-o", metavar="PATH", help="Folder; or, for one motion, a file such as walk.mp4.")
     ] = Path(),
     formats: Annotated[
-        str | None, typer.Option("--format", "-f", metavar="LIST", help="Comma between: bvh, npz, mp4, gif.")
+        str | None, typer.Option("--format", "-f", metavar="LIST", help="Comma between: bvh, npz, amass, mp4, gif.")
     ] = None,
     settings: SettingsOption = None,
     save_settings: Annotated[Path | None, typer.Option(metavar="FILE", help="Also save the settings used.")] = None,
@@ -82,15 +91,16 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
 def _destination(wanted: Settings, out: Path, one_by_default: bool) -> tuple[Settings, Path, str | None]:
     """`-o walk.mp4` names one file and its format; anything else is a folder."""
-    kind = out.suffix.lstrip(".").lower()
-    if not kind or out.is_dir():
+    if not out.suffix or out.is_dir():
         return wanted, out, None
-    if kind not in FORMATS:
-        raise OutOfRangeError("--out", str(out), f"a folder, or a file ending in {', '.join('.' + f for f in FORMATS)}")
+    kind = format_of(out)
+    if kind is None:
+        raise OutOfRangeError("--out", str(out), f"a folder, or a file ending in {', '.join(map(ending, FORMATS))}")
     recipe = replace(wanted.generate, count=1) if one_by_default else wanted.generate
     if recipe.count > 1 and recipe.take is None:
         raise OutOfRangeError("--out", str(out), f"a folder for {recipe.count} motions, or --take to keep one of them")
-    return Settings(recipe, replace(wanted.export, formats=(kind,))), out.parent, out.stem
+    name = out.name[: -len(ending(kind))]
+    return Settings(recipe, replace(wanted.export, formats=(kind,))), out.parent, name
 
 
 def _generate_and_write(wanted: Settings, folder: Path, name: str | None) -> None:
@@ -104,13 +114,13 @@ def _generate_and_write(wanted: Settings, folder: Path, name: str | None) -> Non
     for place, motion in enumerate(motions, first):
         stem = name or f"{tasks.slug(recipe.action)}-seed{recipe.seed}-{place}"
         for kind in wanted.export.formats:
-            _write(motion, folder / f"{stem}.{kind}", wanted.export)
+            _write(motion, folder / f"{stem}{ending(kind)}", wanted.export)
 
 
 def _write(motion, path: Path, how: ExportSettings) -> None:
     from studio import tasks
 
-    if path.suffix[1:] in VIDEO_FORMATS:
+    if format_of(path) in VIDEO_FORMATS:
         with progress_bar(path.name) as progress:
             typer.echo(tasks.export(motion, path, how, progress))
     else:

@@ -17,7 +17,7 @@ from studio.commands.console import (
     progress_bar,
     settings_from,
 )  # fmt: skip
-from studio.settings import VIDEO_FORMATS
+from studio.settings import VIDEO_FORMATS, format_of
 
 
 def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
@@ -40,7 +40,7 @@ def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
     motionloom render walk.npz -o walk.gif --width 480 --height 480 --fps 15
     """
     out = out or Path(file.with_suffix(".mp4").name)
-    if out.suffix.lstrip(".").lower() not in VIDEO_FORMATS:
+    if format_of(out) not in VIDEO_FORMATS:
         raise OutOfRangeError("--out", str(out), "a file ending in " + " or ".join(f".{f}" for f in VIDEO_FORMATS))
     wanted = settings_from(settings, width=width, height=height, fps=fps, camera=camera)
     import engines

@@ -178,7 +178,7 @@ def _generate(session: Session) -> Generate:
     button = Generate(sizing_mode="stretch_width", margin=0)
     tie(button, state, busy="generating", progress="generate_progress", error="generate_error", count="count")
     asked = ["action", "frames", "count", "seed", "bone_scale"]
-    known = ["actions", "engine_ready", "fps", "max_frames", "generate_rate"]
+    known = ["actions", "engine_ready", "generate_error", "fps", "max_frames", "generate_rate"]
 
     def show() -> dict[str, Any]:
         # an unknown action is named under its own field; here only what else stands in the way

@@ -15,14 +15,15 @@ from studio.views.binding import follow, tie
 from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments
 
-FORMATS = [("mp4", "MP4"), ("gif", "GIF"), ("bvh", "BVH"), ("npz", "NPZ")]
+FORMATS = [("mp4", "MP4"), ("gif", "GIF"), ("bvh", "BVH"), ("npz", "NPZ"), ("amass", "AMASS")]
 SIZES = {"1280 × 720": (1280, 720), "1920 × 1080": (1920, 1080), "854 × 480": (854, 480), "720 × 720": (720, 720)}
 CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
 _ABOUT = {
     "mp4": "Video for players, slides and the web.",
     "gif": "Short video that plays anywhere; large for long takes.",
     "bvh": "Skeleton and rotations for Blender, Maya, Unreal and others.",
-    "npz": "AMASS layout (SMPL joint order) for Python and research tools.",
+    "npz": "motionloom's own: lossless, with labels and all that made it.",
+    "amass": "AMASS .npz with SMPL poses, for Python and research tools.",
 }
 
 

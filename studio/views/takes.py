@@ -39,14 +39,12 @@ def card(take: Take) -> dict[str, Any]:
     """What the gallery shows of a take."""
     seconds = f"{take.motion.duration:.1f} s"
     drawn = take.settings
-    line = (
-        f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.motion.frames:,} frames · {seconds}"
-    )
+    line = f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.motion.frames:,} frames"
     return {
         "id": take.id,
         "title": take.title,
         "subject": take.subject,
-        "about": f"{drawn.count} × {seconds}" if drawn else "imported",
+        "about": f"{drawn.count} × {seconds}" if drawn else f"imported · {seconds}",
         "line": line,
         "group": take.group,
         "measures": [

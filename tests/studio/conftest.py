@@ -1,0 +1,48 @@
+"""The studio without weights and without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from engines.metrics import physical
+from studio import tasks, thumbnails
+from studio.jobs import JobQueue
+from studio.session import Session
+from tests.studio.fakes import FakeEngine
+
+
+@pytest.fixture
+def engine(monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
+    """A fake in place of every engine; thumbnails are a word, since pictures have tests of their own."""
+    fake = FakeEngine()
+    monkeypatch.setattr(tasks, "load_engine", lambda name, variant="": fake)
+    monkeypatch.setattr(thumbnails, "thumbnail", lambda motion, colour=None: f"picture {colour}")
+    monkeypatch.setattr(physical, "REAL", {"foot_skate": 0.04, "jitter": 40.0, "ground_penetration": 0.001})
+    return fake
+
+
+@pytest.fixture
+def queue() -> Iterator[JobQueue]:
+    made = JobQueue()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def session(engine: FakeEngine, queue: JobQueue) -> Iterator[Session]:
+    made = Session(queue=queue)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def settle(queue: JobQueue) -> Callable[[Session], None]:
+    """Wait until a session has no unfinished work, that which other work brings up included."""
+
+    def wait(session: Session) -> None:
+        while jobs := queue.jobs(session.id):
+            assert jobs[0].wait(20), f"{jobs[0].title} does not end"
+
+    return wait

@@ -1,0 +1,182 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import engines
+from engines import __version__
+from engines.errors import Cancelled
+from studio import cli, tasks
+from studio.settings import GenerateSettings, Settings, read_settings, write_settings
+from tests.studio.fakes import sway
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """`run("generate", "walk") -> (code, stdout, stderr)`, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["motionloom", *arguments])
+        code: object = 0
+        try:
+            cli.main()
+        except SystemExit as stop:
+            code = stop.code
+        printed = capsys.readouterr()
+        return int(str(code or 0)), printed.out, printed.err
+
+    return call
+
+
+def test_version(run):
+    assert run("--version") == (0, f"motionloom {__version__}\n", "")
+
+
+@pytest.mark.parametrize("command", ["studio", "generate", "render", "convert", "info"])
+def test_help_of_every_command_has_examples(run, command):
+    code, out, _ = run(command, "--help")
+    assert code == 0
+    assert "Examples" in out
+    assert f"motionloom {command}" in out
+
+
+def test_help_lists_the_commands(run):
+    code, out, _ = run("--help")
+    assert code == 0
+    for command in ("studio", "generate", "render", "convert", "info"):
+        assert f" {command} " in out
+
+
+@pytest.mark.parametrize(
+    "arguments", [["dance"], ["generate"], ["generate", "walk", "--frames", "many"], ["convert", "a"]]
+)
+def test_wrong_usage_is_code_2(run, arguments):
+    code, _out, err = run(*arguments)
+    assert code == 2
+    assert err
+
+
+def test_generate_writes_every_motion_in_every_format(run, engine, tmp_path):
+    code, out, _ = run("generate", "walk", "-n", "2", "--frames", "12", "--seed", "3", "-o", "out", "-f", "bvh,npz")
+    assert code == 0
+    names = [f"walk-seed3-{i}.{kind}" for i in (1, 2) for kind in ("bvh", "npz")]
+    assert out.split() == [f"out/{name}" for name in names]
+    motion = engines.read(tmp_path / "out" / "walk-seed3-2.npz")
+    np.testing.assert_array_equal(motion.rotations, sway("walk", 12, 3, 1).rotations)
+    assert engine.calls == [{"action": "walk", "count": 2, "frames": 12, "seed": 3}]
+
+
+def test_generate_into_one_file_draws_one(run, engine, tmp_path):
+    code, out, _ = run("generate", "wave left hand", "--frames", "12", "-o", "wave.amass.npz")
+    assert (code, out) == (0, "wave.amass.npz\n")
+    assert engine.calls[0]["count"] == 1
+    assert engines.read(tmp_path / "wave.amass.npz").frames == 12
+
+
+def test_generate_by_settings_file_repeats_the_take(run, engine, tmp_path):
+    settings = Settings(GenerateSettings(action="run", frames=12, seed=5, count=4, take=3))
+    write_settings(settings, tmp_path / "take-3.json")
+    code, out, _ = run("generate", "--settings", "take-3.json", "-f", "npz", "--save-settings", "used.json")
+    assert (code, out.split()) == (0, ["run-seed5-3.npz", "used.json"])
+    motion = engines.read(tmp_path / "run-seed5-3.npz")
+    np.testing.assert_array_equal(motion.rotations, sway("run", 12, 5, 2).rotations)
+    assert engine.calls[0]["count"] == 4, "the whole draw, so that the bits agree"
+    assert read_settings(tmp_path / "used.json").generate == settings.generate
+
+
+def test_options_win_over_the_settings_file(run, engine, tmp_path):
+    write_settings(Settings(GenerateSettings(action="run", frames=12)), tmp_path / "s.json")
+    code, _, _ = run("generate", "walk", "-s", "s.json", "--seed", "9", "-n", "1", "--bone-scale", "left_knee=1.1")
+    assert code == 0
+    assert engine.calls == [{"action": "walk", "count": 1, "frames": 12, "seed": 9, "bone_scale": {"left_knee": 1.1}}]
+
+
+def test_list_actions_by_group(run, engine):
+    code, out, _ = run("generate", "--list-actions")
+    assert code == 0
+    assert out.startswith("locomotion\n  walk ")
+    assert "A person waves with the left hand." in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["generate", "wlak"], "unknown action 'wlak'; did you mean 'walk'"),
+        (["generate", "walk", "-f", "mp5"], "unknown export format 'mp5'; did you mean 'mp4'"),
+        (["generate", "walk", "--frames", "1"], "frames is 1; accepted: 2 to 12,000"),
+        (["generate", "walk", "-n", "4", "-o", "x.bvh"], "a folder for 4 motions, or --take"),
+        (["generate", "walk", "-o", "x.docx"], "a file ending in .mp4"),
+        (["generate", "walk", "--bone-scale", "left_knee"], "JOINT=FACTOR"),
+        (["generate", "-s", "none.json"], "none.json: cannot be read"),
+        (["render", "none.bvh"], "none.bvh"),
+        (["render", "a.bvh", "-o", "a.avi"], "a file ending in .mp4 or .gif"),
+        (["convert", "none.bvh", "a.npz"], "none.bvh"),
+        (["convert", "none.bvh", "a.npz", "--retarget", "smpl23"], "did you mean 'smpl22'"),
+        (["convert", "none.bvh", "a.npz", "--fps", "0"], "--fps is 0"),
+        (["info", "none.bvh"], "none.bvh"),
+        (["info", "action3motion"], "did you mean 'action2motion'"),
+    ],
+)
+def test_a_persons_mistake_is_one_line_and_code_1(run, engine, arguments, says):
+    code, out, err = run(*arguments)
+    assert (code, out) == (1, "")
+    assert err.startswith("error: ")
+    assert says in err
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+
+
+def test_cancelled_is_code_130(run, engine, monkeypatch):
+    def stopped(*_args):
+        raise Cancelled("generating was cancelled")
+
+    monkeypatch.setattr(tasks, "generate", stopped)
+    assert run("generate", "walk") == (130, "", "cancelled: generating was cancelled\n")
+
+
+def test_ctrl_c_is_code_130(run, engine, monkeypatch):
+    def interrupted(*_args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tasks, "generate", interrupted)
+    assert run("generate", "walk")[0] == 130
+
+
+def test_convert_resamples_and_changes_the_format(run, tmp_path):
+    sway(frames=40).write(tmp_path / "walk.bvh")
+    assert run("convert", "walk.bvh", "sub/walk.npz", "--fps", "10") == (0, "sub/walk.npz\n", "")
+    motion = engines.read(tmp_path / "sub" / "walk.npz")
+    assert (motion.fps, motion.frames) == (10.0, 20)
+    assert run("convert", "walk.bvh", "house.npz", "--retarget", "smpl22")[0] == 0
+    assert engines.read(tmp_path / "house.npz").skeleton == engines.SMPL22
+
+
+def test_info_of_a_file_tells_length_origin_and_quality(run, engine, tmp_path):
+    sway("run", frames=40, seed=4).write(tmp_path / "run.npz")
+    code, out, _ = run("info", "run.npz")
+    assert code == 0
+    for part in ("smpl22, 22 joints", "40 frames at 20 a second, 2.00 s", "run", "fake, seed 4", "foot skate", "cm/s"):
+        assert part in out
+
+
+def test_info_of_an_engine(run, engine):
+    code, out, _ = run("info", "action2motion")
+    assert code == 0
+    for part in ("variants", "walk", "CC0", engine.weights_hash):
+        assert part in out
+    assert "action2motion" in run("info")[1]
+
+
+def test_the_command_line_starts_without_torch_and_panel():
+    script = (
+        "import sys, studio.cli; "
+        "print([m for m in ('torch', 'panel', 'bokeh', 'moderngl', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.strip() == "[]"
