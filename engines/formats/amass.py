@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engines.errors import FormatError, SkeletonError
+from engines.errors import FormatError, OutOfRangeError, SkeletonError
 from engines.formats import arrays
 from engines.formats.bvh_text import FPS_RANGE
 from engines.formats.files import check_size
@@ -57,17 +57,17 @@ def read(
 
     Raises:
         FormatError: damaged, not finite, or without `trans`, `poses` (or `root_orient` and `pose_body`) and a rate.
-        OutOfRangeError: `fps` is not positive.
+        OutOfRangeError: `fps` is not positive, or `pelvis` not three numbers.
     """
-    path = Path(path)
+    path, shift = Path(path), _point(pelvis)
     held = arrays.load(path, _KEYS)
     rate = _rate(path, held, frame_rate)
     poses, trans = _poses(path, held)
     check_size(path, len(poses), len(SMPL22))
     turns = rotations.rotvec_to_quaternion(poses[:, : 3 * len(SMPL22)].reshape(len(poses), len(SMPL22), 3))
     turns[:, 0] = rotations.multiply(_Y_UP, turns[:, 0])
-    place = rotations.rotate(_Y_UP, trans + np.asarray(pelvis, dtype=np.float64)) - SMPL22.offsets[0]
-    parameters: dict = {"format": "amass", "pelvis": [float(x) for x in pelvis]}
+    place = rotations.rotate(_Y_UP, trans + shift) - SMPL22.offsets[0]
+    parameters: dict = {"format": "amass", "pelvis": shift.tolist()}
     if "betas" in held and held["betas"].dtype.kind == "f" and np.isfinite(held["betas"]).all():
         parameters["betas"] = held["betas"].ravel()[:300].tolist()
     if "gender" in held and held["gender"].dtype.kind in "SU" and held["gender"].size == 1:
@@ -89,8 +89,9 @@ def write(motion: Motion, path: str | Path, pelvis: Sequence[float] = (0.0, 0.0,
     Raises:
         FormatError: the file cannot be written.
         SkeletonError: the skeleton's joints are not recognised, or neither pose stands upright.
+        OutOfRangeError: `pelvis` is not three numbers.
     """
-    path = Path(path)
+    path, shift = Path(path), _point(pelvis)
     motion = _on_smpl22(motion)
     back = rotations.invert(_Y_UP)
     turns = np.array(motion.rotations)
@@ -100,7 +101,7 @@ def write(motion: Motion, path: str | Path, pelvis: Sequence[float] = (0.0, 0.0,
     place = motion.translation + motion.skeleton.offsets[0]
     made = motion.provenance.parameters if motion.provenance.parameters.get("format") == "amass" else {}
     content = {
-        "trans": rotations.rotate(back, place) - np.asarray(pelvis, dtype=np.float64),
+        "trans": rotations.rotate(back, place) - shift,
         "poses": poses,
         "betas": np.asarray(made.get("betas", np.zeros(16)), dtype=np.float64),
         "gender": np.array(str(made.get("gender", "neutral"))),
@@ -127,14 +128,24 @@ def sniff(path: Path, head: bytes) -> bool:
     return "trans" in held and ("poses" in held or {"root_orient", "pose_body"} <= held)
 
 
+def _point(pelvis: Sequence[float]) -> np.ndarray:
+    """The option `pelvis` as (3,)."""
+    point = np.asarray(pelvis, dtype=np.float64)
+    if point.shape != (3,) or not np.isfinite(point).all():
+        raise OutOfRangeError("pelvis", pelvis, "three numbers, metres")
+    return point
+
+
 def _rate(path: Path, held: dict[str, np.ndarray], given: float | None) -> float:
     """Frames a second, from the file or the caller."""
-    key = next((key for key in _RATES if key in held), None)
-    if given is None and key is None:
+    if given is not None:
+        held = {"frame_rate": np.array(given)}
+    key = next((key for key in ("frame_rate", *_RATES) if key in held), None)
+    if key is None:
         raise FormatError(
             path, f"no frame rate; accepted: one of {', '.join(_RATES)} (or pass frame_rate=, often 120 or 60)."
         )
-    stated = held[key] if given is None and key is not None else np.array(given)
+    stated = held[key]
     if stated.size != 1 or stated.dtype.kind not in "fiu":
         raise FormatError(path, f"{key} has shape {stated.shape} of {stated.dtype}; accepted: one number.")
     rate = float(stated.ravel()[0])

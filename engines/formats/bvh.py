@@ -22,7 +22,7 @@ from typing import Literal
 
 import numpy as np
 
-from engines.errors import FormatError
+from engines.errors import FormatError, OutOfRangeError
 from engines.formats import bvh_text
 from engines.formats.bvh_text import BvhText, Node
 from engines.formats.bvh_writer import write
@@ -47,7 +47,7 @@ log = logging.getLogger(__name__)
 
 def read(
     path: str | Path,
-    scale: float | Literal["auto"] = "auto",
+    scale: float | str = "auto",
     up: Literal["auto", "y", "z"] = "auto",
     stretch: Literal["refuse", "mean"] = "refuse",
 ) -> Motion:
@@ -55,7 +55,7 @@ def read(
 
     Args:
         path: the file.
-        scale: metres in one unit of the file, or "auto".
+        scale: metres in one unit of the file, one of the names in `UNITS`, or "auto".
         up: the file's vertical axis; a Z-up file is turned so that Y is up.
         stretch: what to do with a body joint that moves along its bone by more than `STRETCH_LIMIT`.
 
@@ -64,35 +64,58 @@ def read(
 
     Raises:
         FormatError: the file is missing, damaged or no BVH; the message names the line.
+        OutOfRangeError: an option that is none of these.
     """
-    path = Path(path)
+    path, given = Path(path), _given_unit(scale)
+    _check_choice("up", up, ("auto", "y", "z"))
+    _check_choice("stretch", stretch, ("refuse", "mean"))
     text = bvh_text.parse(path, read_bytes(path))
-    turns, places = _decode(text)
-    root = _merge_carriers(text.nodes, turns, places)
-    nodes, turns, places = text.nodes[root:], turns[:, root:], places[:, root:]
-    parents = tuple(node.parent - root if j else -1 for j, node in enumerate(nodes))
-    skeleton = Skeleton(
-        name=path.stem,
-        joints=tuple(node.name for node in nodes),
-        parents=parents,
-        offsets=_fixed_offsets(places),
-        end_offsets={node.name: np.array(node.end) for node in nodes if node.end and any(node.end)},
-    )
-    motion = Motion(skeleton, turns, places[:, 0], text.fps)
+    motion, places, merged = _in_file_units(path.stem, text)
     parameters: dict = {"format": "bvh", "frame_time": text.frame_time}
-    if root:
-        parameters["merged_into_root"] = [node.name for node in text.nodes[:root]]
-    known = roles.recognise(skeleton.joints)
-    factor, parameters["unit"] = _unit(motion, known) if scale == "auto" else (float(scale), "given")
+    if merged:
+        parameters["merged_into_root"] = merged
+    known = roles.recognise(motion.skeleton.joints)
+    factor, parameters["unit"] = given or _unit(motion, known)
     parameters["scale"] = factor
     parameters["up"] = _upright_axis(motion, known) if up == "auto" else up
-    if averaged := _averaged(skeleton, places, factor):
+    if averaged := _averaged(motion.skeleton, places, factor):
         parameters["averaged_positions"] = averaged
         _check_stretch(path, averaged, known, stretch)
     if parameters["up"] == "z":
         motion = _z_up_to_y_up(motion, known)
     motion = _scaled(motion, factor)
     return as_house(motion).replaced(provenance=Provenance(source=path.name, parameters=parameters))
+
+
+def _in_file_units(name: str, text: BvhText) -> tuple[Motion, np.ndarray, list[str]]:
+    """The motion as the file has it, each joint's places relative to its parent (T, J, 3), and joints merged away."""
+    turns, places = _decode(text)
+    root = _merge_carriers(text.nodes, turns, places)
+    nodes, turns, places = text.nodes[root:], turns[:, root:], places[:, root:]
+    skeleton = Skeleton(
+        name=name,
+        joints=tuple(node.name for node in nodes),
+        parents=tuple(node.parent - root if j else -1 for j, node in enumerate(nodes)),
+        offsets=_fixed_offsets(places),
+        end_offsets={node.name: np.array(node.end) for node in nodes if node.end and any(node.end)},
+    )
+    return Motion(skeleton, turns, places[:, 0], text.fps), places, [node.name for node in text.nodes[:root]]
+
+
+def _given_unit(scale: float | str) -> tuple[float, str] | None:
+    """Metres in one unit and its name, from the option `scale`; None for "auto"."""
+    if scale == "auto":
+        return None
+    if isinstance(scale, str) and scale in UNITS:
+        return UNITS[scale], scale
+    if isinstance(scale, str) or not (np.isfinite(scale) and scale > 0):
+        raise OutOfRangeError("scale", scale, f"'auto', a positive number of metres, or one of {', '.join(UNITS)}")
+    return float(scale), "given"
+
+
+def _check_choice(name: str, value: str, accepted: tuple[str, ...]) -> None:
+    if value not in accepted:
+        raise OutOfRangeError(name, value, ", ".join(map(repr, accepted)))
 
 
 def _decode(text: BvhText) -> tuple[np.ndarray, np.ndarray]:

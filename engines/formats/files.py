@@ -25,6 +25,16 @@ HEAD_BYTES = 4096
 """How much of a file's beginning is looked at to tell its format."""
 
 
+def _umask() -> int:
+    """The process's file mode mask, which can only be read by setting it."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
+
+
+_UMASK = _umask()  # once, before there are threads that create files
+
+
 def existing_file(path: str | Path, limit: int = MAX_FILE_BYTES) -> Path:
     """The path, once it is known to be a readable file of 1 to `limit` bytes.
 
@@ -115,19 +125,12 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        temporary.chmod(0o666 & ~_umask())  # mkstemp makes private files; this one should be as any other
+        temporary.chmod(0o666 & ~_UMASK)  # mkstemp makes private files; this one should be as any other
         temporary.replace(path)
     except OSError as error:
         raise FormatError(path, f"cannot be written: {_reason(error)}.") from error
     finally:
         temporary.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    """The process's file mode mask, which can only be read by setting it."""
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
 
 
 def _reason(error: Exception) -> str:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from engines import formats
-from engines.errors import FormatError
+from engines.errors import FormatError, OutOfRangeError
 from engines.formats import amass, arrays, bvh
 from engines.motion import Motion
 from engines.skeletons import SMPL22
@@ -151,6 +151,15 @@ def test_damage_is_named(tmp_path, case):
 
 def test_a_rate_may_be_given(tmp_path):
     assert amass.read(written(tmp_path, mocap_framerate=None), frame_rate=60).fps == 60
+
+
+@pytest.mark.parametrize("pelvis", [(1, 2), np.nan, (np.inf, 0, 0)])
+def test_a_pelvis_that_is_no_point(tmp_path, pelvis):
+    with pytest.raises(OutOfRangeError, match="pelvis"):
+        amass.read(written(tmp_path), pelvis=pelvis)
+    with pytest.raises(OutOfRangeError, match="pelvis"):
+        amass.write(random_motion(), tmp_path / "out.npz", pelvis=pelvis)
+    assert not (tmp_path / "out.npz").exists()
 
 
 def test_trans_missing(tmp_path):

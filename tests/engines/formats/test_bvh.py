@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from engines.errors import FormatError
+from engines.errors import FormatError, OutOfRangeError
 from engines.formats import bvh
 from engines.skeletons import roles
 from tests.engines.formats.conftest import SMALL_BVH
@@ -264,6 +264,19 @@ def test_units_are_told_from_the_body(tmp_path, unit):
     assert motion.provenance.parameters["unit"] == unit
     top = motion.positions[0, motion.skeleton.index("Head"), 1]
     assert top == pytest.approx(1.37, abs=1e-4)
+
+
+def test_units_by_name(tmp_path, small_bvh):
+    assert bvh.read(small_bvh, scale="in").provenance.parameters["scale"] == 0.0254
+    np.testing.assert_allclose(bvh.read(small_bvh, scale="mm").positions[0, 0], [0, 0.09, 0])
+
+
+@pytest.mark.parametrize(
+    "options", [{"scale": 0}, {"scale": -1.0}, {"scale": "league"}, {"scale": np.inf}, {"up": "x"}, {"stretch": "no"}]
+)
+def test_bad_options(small_bvh, options):
+    with pytest.raises(OutOfRangeError, match=next(iter(options))):
+        bvh.read(small_bvh, **options)
 
 
 def test_a_body_in_no_known_unit_is_fitted(tmp_path):
