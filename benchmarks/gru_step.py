@@ -1,6 +1,6 @@
 """Ways to run a GRU stack frame by frame, compared in one run.
 
-    python benchmarks/gru_step.py [--threads 1 2] [--hidden 128 256] [--batch 1 128 300] [--frames 60] [--train]
+    python benchmarks/gru_step.py [--threads 1 2] [--hidden 128 256] [--batch 1 128 300] [--frames 60] [--train] [--cpu]
 
 The network is Action2Motion's generator (embedding, two GRU layers, linear head of 72 outputs) at 42 known inputs a
 frame. Every way but the first feeds its own output back, so each frame waits for the one before. Milliseconds for the
@@ -63,6 +63,24 @@ def cell_known_ahead(net: GeneratorGRU, head: nn.Module, known: Tensor, first: T
     state = [first.new_zeros(len(first), net.hidden_size)] * net.layers
     for frame in ahead.unbind(0):
         value, new = torch.addmm(frame, pose, turned), []
+        for layer, before in zip(weights, state, strict=True):
+            value = torch.gru_cell(value, before, *layer)
+            new.append(value)
+        state = new
+        pose = head(value)
+        out.append(pose)
+    return torch.stack(out)
+
+
+def cell_folded(net: GeneratorGRU, head: nn.Module, known: Tensor, first: Tensor) -> Tensor:
+    """torch.gru_cell; embedding and first input weights multiplied together beforehand."""
+    weight_ih, weight_hh, bias_ih, bias_hh = net.gru.all_weights[0]
+    folded = [weight_ih @ net.embed.weight, weight_hh, torch.addmv(bias_ih, weight_ih, net.embed.bias), bias_hh]
+    weights = [folded, *net.gru.all_weights[1:]]
+    pose, out = first, []
+    state = [first.new_zeros(len(first), net.hidden_size)] * net.layers
+    for frame in known.unbind(0):
+        value, new = torch.cat([pose, frame], dim=-1), []
         for layer, before in zip(weights, state, strict=True):
             value = torch.gru_cell(value, before, *layer)
             new.append(value)
@@ -166,28 +184,29 @@ def scripted_folded(net: GeneratorGRU, head: PlainHead, known: Tensor, first: Te
 
 
 WAYS: tuple[Callable[..., Tensor], ...] = (
-    fused_teacher_forced, gru_module_per_step, cell_per_step, cell_known_ahead, unroll, by_hand_folded,
+    fused_teacher_forced, gru_module_per_step, cell_per_step, cell_known_ahead, cell_folded, unroll, by_hand_folded,
     scripted_cells, scripted_folded,
 )  # fmt: skip
 
 
-def measure(hidden: int, batch: int, frames: int, train: bool, repeats: int) -> dict[str, float]:
+def measure(hidden: int, batch: int, frames: int, args: argparse.Namespace) -> dict[str, float]:
     """Best milliseconds of each way; self-fed ways are first checked against each other."""
     torch.manual_seed(0)
     net, head = GeneratorGRU(POSE + KNOWN, hidden, LAYERS), PlainHead(hidden, POSE)
     known, first = torch.randn(frames, batch, KNOWN), torch.zeros(batch, POSE)
     target = torch.randn(frames, batch, POSE)
     parameters = [*net.parameters(), *head.parameters()]
+    clock = time.process_time if args.cpu else time.perf_counter
 
     def once(way: Callable[..., Tensor]) -> float:
-        start = time.perf_counter()
-        if train:
+        start = clock()
+        if args.train:
             loss = (way(net, head, known, first) - target).square().mean()
             torch.autograd.grad(loss, parameters)
         else:
             with torch.inference_mode():
                 way(net, head, known, first)
-        return (time.perf_counter() - start) * 1e3
+        return (clock() - start) * 1e3
 
     with torch.no_grad():
         outputs = [way(net, head, known, first) for way in WAYS[1:]]
@@ -196,7 +215,7 @@ def measure(hidden: int, batch: int, frames: int, train: bool, repeats: int) -> 
             output, outputs[0], atol=1e-5, rtol=1e-4, msg=f"{way.__name__} computes another thing"
         )
     best = {way.__name__: float("inf") for way in WAYS}
-    for _ in range(repeats + 2):  # the first two let the profiling executor of jit settle
+    for _ in range(args.repeats + 2):  # the first two let the profiling executor of jit settle
         for way in WAYS:
             best[way.__name__] = min(best[way.__name__], once(way))
     return best
@@ -210,6 +229,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, nargs="+", default=[60])
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--train", action="store_true", help="forward and backward instead of inference")
+    parser.add_argument("--cpu", action="store_true", help="CPU time: for one thread on a machine others are using")
     args = parser.parse_args()
     names = [way.__name__ for way in WAYS]
     print("forward and backward" if args.train else "inference", "- milliseconds for the whole sequence")
@@ -219,7 +239,7 @@ def main() -> None:
         for hidden in args.hidden:
             for batch in args.batch:
                 for frames in args.frames:
-                    best = measure(hidden, batch, frames, args.train, args.repeats)
+                    best = measure(hidden, batch, frames, args)
                     row = "  ".join(f"{best[n]:>{max(len(n), 8)}.2f}" for n in names)
                     print(f"{threads:>7} {hidden:>6} {batch:>5} {frames:>6}  {row}", flush=True)
 

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import linear
 
 State = tuple[Tensor, ...]
 """Hidden state of a GRU stack: one (B, H) tensor a layer. `None` stands for zeros."""
@@ -47,6 +46,16 @@ class EmbeddedGRU(nn.Module):
         hidden, last = self.gru(self.embed(x), start)
         return hidden, last.unbind(0)
 
+    def folded_weights(self) -> list[Sequence[Tensor]]:
+        """`nn.GRU.all_weights` with the embedding multiplied into the first layer, which then takes raw frames (B, D).
+
+        Spares the larger part of a product a frame; differentiable. Worth it for a loop over several frames.
+        """
+        first, *others = self.gru.all_weights
+        weight_ih, weight_hh, bias_ih, bias_hh = first
+        bias = torch.addmv(bias_ih, weight_ih, self.embed.bias)
+        return [(weight_ih @ self.embed.weight, weight_hh, bias, bias_hh), *others]
+
     def hidden_step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> State:
         """One frame (B, D) -> the new state; its last entry is the top-layer hidden (B, H)."""
         state = self.initial_state(len(x)) if state is None else state
@@ -54,11 +63,16 @@ class EmbeddedGRU(nn.Module):
 
 
 def stack_step(value: Tensor, state: Sequence[Tensor], weights: Sequence[Sequence[Tensor]]) -> State:
-    """One embedded frame (B, H) through GRU layers whose parameters are `nn.GRU.all_weights` -> the new state.
+    """One frame through a stack of GRU layers -> the new state.
 
     `torch.gru_cell` on the parameters of `nn.GRU` is within a few per cent of the best that eager torch does at any
-    batch size, backward included (`benchmarks/gru_step.py`); loops take `all_weights` once, as asking for it costs
-    as much as a product at batch 1.
+    batch size, backward included (`benchmarks/gru_step.py`). Loops take the weights once: asking for them costs as
+    much as a product at batch 1.
+
+    Args:
+        value: (B, H) embedded frame for `nn.GRU.all_weights`, (B, D) raw frame for `folded_weights`.
+        state: of the frame before.
+        weights: (weight_ih, weight_hh, bias_ih, bias_hh) of each layer.
     """
     new = []
     for layer, before in zip(weights, state, strict=True):
@@ -140,13 +154,11 @@ class GeneratorGRU(EmbeddedGRU):
         Returns:
             hidden (T, B, H), fed poses (T, B, Dp) where entry t came out of frame t, and the last state.
         """
-        pose_weight, known_weight = self.embed.weight.split([first.shape[-1], known.shape[-1]], dim=1)
-        ahead = linear(known, known_weight, self.embed.bias)  # (T, B, H) in one product
-        pose_weight, weights = pose_weight.t(), self.gru.all_weights
+        weights = self.folded_weights()
         state = self.initial_state(len(first)) if state is None else tuple(state)
         pose, hidden, poses = first, [], []
-        for known_part in ahead.unbind(0):
-            state = stack_step(torch.addmm(known_part, pose, pose_weight), state, weights)
+        for known_part in known.unbind(0):
+            state = stack_step(torch.cat([pose, known_part], dim=1), state, weights)
             pose = feed(state[-1])
             hidden.append(state[-1])
             poses.append(pose)
@@ -228,8 +240,7 @@ def rollout(  # noqa: PLR0913, PLR0917 - two networks, their inputs and their st
 ) -> Rollout:
     """Generation: z from the learned prior, pose from the generator, both fed with the pose before.
 
-    Equals `prior.step`, `sample_latent`, `generator.step` and `feed` for each frame; what the condition adds to both
-    embeddings is one product for all frames.
+    Equals `prior.step`, `sample_latent`, `generator.step` and `feed` for each frame.
 
     Args:
         prior: its input is [previous pose, condition].
@@ -241,23 +252,18 @@ def rollout(  # noqa: PLR0913, PLR0917 - two networks, their inputs and their st
         prior_state: of the frame before, zeros if None.
         generator_state: of the frame before, zeros if None.
     """
-    sizes = [first.shape[-1], condition.shape[-1]]
-    prior_pose, prior_known = prior.embed.weight.split(sizes, dim=1)
-    pose_weight, known_weight, z_weight = generator.embed.weight.split([*sizes, prior.latent_size], dim=1)
-    prior_ahead = linear(condition, prior_known, prior.embed.bias)
-    ahead = linear(condition, known_weight, generator.embed.bias)
-    prior_pose, fed_weight = prior_pose.t(), torch.cat([pose_weight, z_weight], dim=1).t()
     heads = torch.cat([prior.mu_net.weight, prior.logvar_net.weight]).t()
     heads_bias = torch.cat([prior.mu_net.bias, prior.logvar_net.bias])
-    prior_weights, weights = prior.gru.all_weights, generator.gru.all_weights
+    prior_weights, weights = prior.folded_weights(), generator.folded_weights()
     upper = prior.initial_state(len(first)) if prior_state is None else tuple(prior_state)
     lower = generator.initial_state(len(first)) if generator_state is None else tuple(generator_state)
     pose, made = first, []
-    for prior_part, part, eps in zip(prior_ahead.unbind(0), ahead.unbind(0), noise.unbind(0), strict=True):
-        upper = stack_step(torch.addmm(prior_part, pose, prior_pose), upper, prior_weights)
+    for known, eps in zip(condition.unbind(0), noise.unbind(0), strict=True):
+        seen = torch.cat([pose, known], dim=1)
+        upper = stack_step(seen, upper, prior_weights)
         mu, logvar = torch.addmm(heads_bias, upper[-1], heads).chunk(2, dim=1)
         z = sample_latent(mu, logvar, eps)
-        lower = stack_step(torch.addmm(part, torch.cat([pose, z], dim=1), fed_weight), lower, weights)
+        lower = stack_step(torch.cat([seen, z], dim=1), lower, weights)
         pose = feed(lower[-1])
         made.append((pose, lower[-1], z, mu, logvar))
     poses, hidden, drawn, mean, spread = (torch.stack(parts) for parts in zip(*made, strict=True))
