@@ -10,7 +10,8 @@ import traitlets
 
 from viewers import bodies
 from viewers.bodies.body import Body
-from viewers.web.controls import BUNDLE, OPTIONS, Motions, Option, Player, check_option
+from viewers.web.controls import BUNDLE, FROM_BROWSER, OPTIONS, PAYLOADS, Motions, Option, Player, check_option
+from viewers.web.standalone import Framed, page
 
 
 def trait(option: Option) -> traitlets.TraitType:
@@ -57,3 +58,13 @@ class MotionPlayer(_Traits, Player):
         super().__init__(height=height, **{name: check_option(name, value, known) for name, value in options.items()})
         self._body = body
         self.show_motions(motions, labels)
+
+    def embed(self) -> Framed:
+        """The player as it is now, self-contained: for notebooks that are exported and read without a network.
+
+        A widget in an exported notebook loads Jupyter's widget manager from the network; this needs nothing, at
+        about 1.5 MB in the notebook for each one shown.
+        """
+        skipped = (*PAYLOADS, *FROM_BROWSER, "global_keys")
+        options = {name: getattr(self, name) for name in OPTIONS if name not in skipped}
+        return Framed(page(self._actors, self._body, **options), self.height)

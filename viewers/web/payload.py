@@ -12,9 +12,10 @@ This page is the one description of the layout; `src/payload.js` reads it. Every
     header["arrays"]  name -> [type, shape, offset counted from the end of the header]
 
 A *body* (sent once): `vertices` uint16 (V, 3), where position = low + (high - low) * value / 65535 with the header's
-`low` and `high`; `normals` int16 (V, 3), unit vectors times 32767; `faces` uint16 or uint32 (F, 3); `skin_indices`
-uint8 (V, 4); `skin_weights` uint8 (V, 4) that add up to 255 per vertex; `colours` uint8 (V, 3) sRGB; `tint` uint8 (V,),
-how far (of 255) the actor's own colour replaces that colour; `header["skeleton"]` the rest pose it is bound to.
+`low` and `high`; `normals` int16 (V, 3), unit vectors times 32767; `faces` uint16 or uint32 (F, 3), and `coarse`, if
+the body has it, fewer faces over the same vertices, for ghosts and crowds; `skin_indices` uint8 (V, 4);
+`skin_weights` uint8 (V, 4) that add up to 255 per vertex; `colours` uint8 (V, 3) sRGB; `tint` uint8 (V,), how far (of
+255) the actor's own colour replaces that colour; `header["skeleton"]` the rest pose it is bound to.
 
 *Takes* (sent whenever the motions change): `header["skeletons"]`, and `header["actors"]` with name, colour, offset,
 fps, frames, labels and the index of a skeleton. Actor i owns `rotations{i}` int16 (T, J, 4), unit quaternions wxyz
@@ -39,7 +40,7 @@ from engines.errors import FormatError, OutOfRangeError
 from engines.geometry import rotations
 from engines.motion import Motion
 from engines.skeletons.skeleton import Skeleton
-from viewers.bodies.body import Body
+from viewers.bodies.body import Body, eight_bit_weights
 
 MAGIC = b"MLP1"
 MAX_ACTORS = 16
@@ -111,15 +112,18 @@ def encode_body(body: Body | None) -> bytes:
     vertices = np.asarray(body.vertices, dtype=np.float64)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     span = np.where(high > low, high - low, 1.0)
+    number = np.uint16 if len(vertices) <= 65536 else np.uint32
     arrays = {
         "vertices": np.rint((vertices - low) / span * POSITION_STEPS).astype(np.uint16),
         "normals": np.rint(body.normals * UNIT_STEPS).astype(np.int16),
-        "faces": body.faces.astype(np.uint16 if len(vertices) <= 65536 else np.uint32),
+        "faces": body.faces.astype(number),
         "skin_indices": body.skin_indices.astype(np.uint8),
-        "skin_weights": quantise_weights(body.skin_weights.astype(np.float64)),
+        "skin_weights": eight_bit_weights(body.skin_weights),
         "colours": body.colours,
         "tint": np.rint(body.tint * BYTE_STEPS).astype(np.uint8),
     }
+    if body.coarse:
+        arrays["coarse"] = body.coarse[0].astype(number)
     header = {
         "kind": "body",
         "low": low.tolist(),
@@ -127,15 +131,6 @@ def encode_body(body: Body | None) -> bytes:
         "skeleton": describe_skeleton(body.skeleton),
     }
     return pack(header, arrays)
-
-
-def quantise_weights(weights: np.ndarray) -> np.ndarray:
-    """(V, 4) weights -> uint8 (V, 4) that add up to 255 exactly; the largest takes up the rounding."""
-    weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
-    steps = np.rint(weights * BYTE_STEPS).astype(np.int64)
-    rows = np.arange(len(steps))
-    steps[rows, weights.argmax(axis=1)] += BYTE_STEPS - steps.sum(axis=1)
-    return steps.astype(np.uint8)
 
 
 def encode_takes(actors: Sequence[Actor]) -> bytes:

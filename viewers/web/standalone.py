@@ -9,6 +9,7 @@ import os
 import re
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +24,11 @@ _PAGE = """<!doctype html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>html, body {{ margin: 0; height: 100%; background: {background}; --motion-player-radius: 0; }}
-#player {{ height: 100%; }}</style>
+#player {{ height: 100%; }}
+h1 {{ position: absolute; clip-path: inset(50%); margin: 0; }}</style>
 </head>
 <body>
-<div id="player"></div>
+<main id="player"><h1>{title}</h1></main>
 <script type="application/json" id="values">{values}</script>
 <script type="text/plain" id="bundle">{bundle}</script>
 <script type="module">
@@ -72,6 +74,22 @@ def page(
         values=json.dumps(values).replace("<", "\\u003c"),
         bundle=_inert(BUNDLE.read_text(encoding="utf-8")),
     )
+
+
+@dataclass(frozen=True)
+class Framed:
+    """A page inside a notebook's output: shows itself in JupyterLab, in nbconvert's HTML and anywhere offline."""
+
+    text: str
+    """HTML of the page, as `page` makes it."""
+    height: int = 480
+    """Pixels."""
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe srcdoc="{html.escape(self.text)}" title="Motion player" allowfullscreen '
+            f'style="width: 100%; height: {self.height}px; border: 0; border-radius: 10px"></iframe>'
+        )
 
 
 def save_html(motions: Motions, path: str | Path, **arguments: Any) -> Path:

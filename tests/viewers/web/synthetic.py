@@ -12,6 +12,7 @@ from engines.skeletons import SMPL22, Skeleton
 def walk(
     seconds: float = 10.0,
     fps: float = 20.0,
+    *,
     turn: float = 0.0,
     wave: bool = False,
     skeleton: Skeleton = SMPL22,

@@ -7,10 +7,12 @@ import { Pose } from "./pose.js";
 import { setRaw } from "./backdrop.js";
 import { Skin, bodyMaterial, depthMaterial, dyeBody, markStencil, outlineMaterial } from "./skin.js";
 
-const XRAY = 0.3;
+const XRAY = 0.32; // opacity of a body with its bones inside
+const BEHIND = 0.42; // opacity of those not picked where figures stand in one place
 
 export class Actor {
-  constructor(take, body, geometry) {
+  /** `body` is the geometry to wear, or null for bones alone; a crowd wears the coarse one. */
+  constructor(take, body, crowd) {
     this.take = take;
     this.pose = new Pose(take.skeleton);
     this.object = new Group();
@@ -18,16 +20,16 @@ export class Actor {
     this.shadows = new ContactShadows(take.skeleton);
     this.rings = new ContactRings(take.skeleton);
     this.trail = new Trail(take);
-    this.ghosts = new Ghosts(take, body, geometry);
+    this.ghosts = new Ghosts(take, body);
     this.parts = [this.bones, this.shadows, this.rings, this.trail, this.ghosts];
-    if (geometry) this.#dress(body, geometry);
+    if (body) this.#dress(body, crowd);
     this.object.add(...this.parts.map((part) => part.object));
     this.root = new Vector3();
     this.centre = new Vector3();
   }
 
-  #dress(body, geometry) {
-    this.skin = new Skin(geometry, body.skeleton, this.take.skeleton);
+  #dress(body, crowd) {
+    this.skin = new Skin(body, this.take.skeleton, crowd);
     this.material = bodyMaterial();
     this.solid = this.skin.mesh(this.material, 3);
     this.depth = this.skin.mesh(depthMaterial(), 2);
@@ -39,18 +41,22 @@ export class Actor {
   }
 
   /** Body, skeleton or both; `both` makes the body translucent so that the bones inside are seen. */
-  style({ show, selected, hovered, several, trail, contacts, ghosts, inPlace }, theme) {
+  style({ show, selected, hovered, several, overlaid, trail, contacts, ghosts, inPlace }, theme) {
     const dressed = Boolean(this.skin) && show !== "skeleton";
     const xray = dressed && show === "both";
     const marked = several && (selected || hovered);
+    const faint = overlaid && !selected;
     this.bones.object.visible = !dressed || xray;
     this.bones.paint(this.take.colour, theme.joint, several && selected ? 0.35 : 0.08);
+    this.bones.fade(faint ? BEHIND : 1);
     if (this.skin) {
       this.solid.visible = dressed;
-      this.depth.visible = xray;
+      this.depth.visible = dressed && (xray || faint);
       this.outline.visible = dressed && marked;
-      this.material.transparent = xray;
-      this.material.opacity = xray ? XRAY : 1;
+      this.material.transparent = xray || faint;
+      this.material.opacity = xray ? XRAY : faint ? BEHIND : 1;
+      // figures in one place: the picked one's surface wins where they coincide
+      Object.assign(this.material, { polygonOffset: faint, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
       markStencil(this.material, marked);
       this.outline.material.uniforms.width.value = selected ? 0.0058 : 0.0035;
       setRaw(this.outline.material.uniforms.colour.value, theme.accent);

@@ -51,7 +51,7 @@ function receiveAll(model, player) {
 
 // What the player itself decided on the way in (another camera for a long walk, no auto-play).
 function sendCorrections(model, player, send) {
-  const corrected = Object.entries(player.options).filter(([name, value]) => model.get(name) !== undefined && !same(model.get(name), value));
+  const corrected = Object.entries(player.options).filter(([name, value]) => !same(model.get(name), value));
   if (corrected.length) send(Object.fromEntries(corrected));
 }
 

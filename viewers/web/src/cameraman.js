@@ -10,7 +10,7 @@ const GLIDE = 0.45; // seconds
 const BODY_MIDDLE = 0.86;
 const BODY_REACH = 1.2; // half the height that must fit, arms raised
 const ARMS = 0.75; // half the width of a figure
-const FARTHEST = 1.9; // times the distance for one figure; a way that needs more is followed instead
+const FARTHEST = 1.3; // times the distance for following; a way that needs more is followed instead
 const FOLLOWING = 1.15; // times that distance while following, for the trail and the ghosts
 
 export class Cameraman {
@@ -45,7 +45,13 @@ export class Cameraman {
   }
 
   get tooLong() {
-    return this.#staticFit(MathUtils.degToRad(HOME.azimuth)).distance > FARTHEST * this.#alone;
+    return this.#staticFit(MathUtils.degToRad(this.#homeAzimuth)).distance > FARTHEST * this.#followFit().distance;
+  }
+
+  // A long row of figures is seen more from the front, or those at its near end would hide the others.
+  get #homeAzimuth() {
+    const row = this.bounds ? this.bounds.maxX - this.bounds.minX : 0;
+    return HOME.azimuth * Math.min(1, 2.5 / Math.max(row, 1e-6));
   }
 
   /** Frames the whole way seen from `azimuth` (degrees from the front), or those followed. */
@@ -63,7 +69,7 @@ export class Cameraman {
   }
 
   home(glide = true) {
-    this.frame(HOME.azimuth, HOME.polar, { glide });
+    this.frame(this.#homeAzimuth, HOME.polar, { glide });
   }
 
   look(view, { glide = true } = {}) {

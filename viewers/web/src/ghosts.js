@@ -17,10 +17,9 @@ export function ghostFrames(frame, every, frames) {
 }
 
 export class Ghosts {
-  constructor(take, body, geometry) {
+  constructor(take, body) {
     this.take = take;
     this.body = body;
-    this.geometry = geometry;
     this.pose = new Pose(take.skeleton);
     this.pool = [];
     this.object = new Group();
@@ -31,7 +30,7 @@ export class Ghosts {
   /** Shows the ghosts that belong to `frame`; cheap when they are the same as before. */
   update(frame, { every, show, mirror, inPlace }, camera, theme) {
     const frames = ghostFrames(frame, every, this.take.frames);
-    const style = show === "skeleton" || !this.geometry ? "skeleton" : "body";
+    const style = show === "skeleton" || !this.body ? "skeleton" : "body";
     const wanted = `${frames}|${style}|${mirror}|${inPlace}`;
     if (wanted !== this.shown || theme !== this.theme) {
       this.shown = wanted;
@@ -55,7 +54,7 @@ export class Ghosts {
   }
 
   #make() {
-    const ghost = new Ghost(this.take, this.body, this.geometry);
+    const ghost = new Ghost(this.take, this.body);
     this.object.add(ghost.object);
     return ghost;
   }
@@ -71,12 +70,12 @@ function fading(age, every) {
 }
 
 class Ghost {
-  constructor(take, body, geometry) {
+  constructor(take, body) {
     this.object = new Group();
     this.root = new Vector3();
     this.take = take;
-    if (geometry) {
-      this.skin = new Skin(geometry, body.skeleton, take.skeleton);
+    if (body) {
+      this.skin = new Skin(body, take.skeleton, true);
       this.material = bodyMaterial({ wash: 0.82 });
       this.material.transparent = true;
       this.depth = this.skin.mesh(depthMaterial());

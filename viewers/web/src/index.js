@@ -10,7 +10,7 @@ const panelViews = new WeakMap();
 function render({ model, el }) {
   // Panel renders a view anew without taking the old rendering down; its adapter (unlike anywidget's model) is per view
   if ("view" in model) panelViews.get(model)?.();
-  const widget = new Widget(el);
+  const widget = new Widget(el, model.get("theme"));
   const resize = () => widget.height(model.get("height"));
   resize();
   model.on("change:height", resize);

@@ -47,6 +47,7 @@ export function decodeBody(data) {
     vertices,
     normals,
     faces: arrays.faces,
+    coarse: arrays.coarse,
     skinIndices: arrays.skin_indices,
     skinWeights: arrays.skin_weights,
     colours: arrays.colours,

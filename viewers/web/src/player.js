@@ -6,11 +6,12 @@ import { Clock } from "./clock.js";
 import { coverOf, floorWay } from "./ways.js";
 import { OPTIONS, defaults, same } from "./options.js";
 import { decodeBody, decodeTakes } from "./payload.js";
-import { makeBodyGeometry } from "./skin.js";
+import { BodyGeometry } from "./skin.js";
 import { Stage } from "./stage.js";
 import { resolveTheme } from "./theme.js";
 
-const TOGETHER = 2.6; // metres from their middle up to which figures are followed as a group
+const DRIFT = 2; // metres figures may drift apart and still be followed as a group
+const CROWD = 4; // more figures than this are drawn with the coarser mesh
 
 /**
  * Events (addEventListener): "option" {name, value} when an option changed by itself or by hand,
@@ -25,6 +26,7 @@ export class MotionPlayer extends EventTarget {
     this.body = null;
     this.geometry = null;
     this.hovered = -1;
+    this.framed = false;
     this.stage = new Stage(canvas, (elapsed) => this.#advance(elapsed));
     this.cameraman = new Cameraman(this.stage.camera, canvas, {
       changed: () => this.stage.invalidate(),
@@ -38,14 +40,13 @@ export class MotionPlayer extends EventTarget {
   setBody(data) {
     this.body = decodeBody(data);
     this.geometry?.dispose();
-    this.geometry = this.body && makeBodyGeometry(this.body);
+    this.geometry = this.body && new BodyGeometry(this.body);
     if (this.actors.length) this.#stageTakes(this.actors.map((actor) => actor.take));
   }
 
   /** New takes: from the first frame on, framed anew. */
   setTakes(data) {
     const takes = decodeTakes(data);
-    const first = this.actors.length === 0;
     this.#stageTakes(takes);
     const fps = takes[0]?.fps ?? 20;
     const seconds = Math.max(0, ...takes.map((take) => take.frames / take.fps));
@@ -54,10 +55,34 @@ export class MotionPlayer extends EventTarget {
     this.#option("selection", []);
     this.#option("selected", Math.min(this.options.selected, takes.length - 1));
     this.#pose();
-    if (takes.length && this.options.camera === "orbit" && this.cameraman.tooLong) this.#option("camera", "follow");
-    this.#reframe({ glide: !first, home: first });
+    if (this.framed && takes.length) {
+      if (this.cameraman.tooLong) this.#followInstead();
+      this.#reframe();
+    } else if (this.stage.sized) this.#firstLook();
     this.#announce("takes");
     this.#announce("settle");
+  }
+
+  /** New size of the stage, in CSS pixels; the first one also frames what there is. */
+  resize(width, height) {
+    if (!width || !height) return;
+    this.stage.resize(width, height);
+    if (!this.framed && this.actors.length) this.#firstLook();
+    this.#advance(0);
+    this.stage.draw();
+  }
+
+  #firstLook() {
+    this.framed = this.stage.sized;
+    if (this.cameraman.tooLong) this.#followInstead();
+    this.#reframe({ glide: false, home: true });
+    this.#pose();
+  }
+
+  // A way too long to be framed whole with figures of a decent size.
+  #followInstead() {
+    this.cameraman.tracking = true;
+    if (this.options.camera === "orbit") this.#option("camera", "follow");
   }
 
   #stageTakes(takes) {
@@ -65,7 +90,8 @@ export class MotionPlayer extends EventTarget {
       this.stage.scene.remove(actor.object);
       actor.dispose();
     }
-    this.actors = takes.map((take) => new Actor(take, this.#fits(take) ? this.body : null, this.#fits(take) ? this.geometry : null));
+    const crowd = takes.length > CROWD;
+    this.actors = takes.map((take) => new Actor(take, this.#fits(take) ? this.geometry : null, crowd));
     this.actors.forEach((actor) => this.stage.scene.add(actor.object));
     this.#arrange();
     this.#restyle();
@@ -86,9 +112,10 @@ export class MotionPlayer extends EventTarget {
       actor.object.position.set(x + dx, dy, dz);
     });
     if (!ways.length) return;
-    const { bounds, spread } = coverOf(ways, this.actors.map(({ take }) => take.fps), this.actors.map((actor) => actor.object.position));
-    this.together = spread <= TOGETHER;
-    this.cameraman.cover(bounds, this.together ? spread : 0);
+    const places = this.actors.map((actor) => actor.object.position);
+    const { bounds, reach, start } = coverOf(ways, this.actors.map(({ take }) => take.fps), places);
+    this.together = reach <= start + DRIFT;
+    this.cameraman.cover(bounds, this.together ? reach : 0);
   }
 
   // ---- options ------------------------------------------------------------------------------------
@@ -142,8 +169,9 @@ export class MotionPlayer extends EventTarget {
   #restyle() {
     const { options } = this;
     const several = this.actors.length > 1;
+    const overlaid = several && options.arrangement === "overlay";
     this.actors.forEach((actor, i) => {
-      const state = { ...this.#poseOptions(), selected: i === options.selected, hovered: i === this.hovered, several };
+      const state = { ...this.#poseOptions(), selected: i === options.selected, hovered: i === this.hovered, several, overlaid };
       actor.style({ ...state, trail: options.trail, contacts: options.contacts }, this.stage.theme);
     });
     this.stage.floor.object.visible = options.floor;

@@ -6,16 +6,31 @@ import {
 import { Binding } from "./pose.js";
 import { setRaw } from "./backdrop.js";
 
-/** Buffers of the body for the graphics card. */
-export function makeBodyGeometry(body) {
+/** Buffers of the body for the graphics card: one set of vertices, a fine and maybe a coarse set of triangles. */
+export class BodyGeometry {
+  constructor(body) {
+    this.skeleton = body.skeleton;
+    const attributes = {
+      position: new BufferAttribute(body.vertices, 3),
+      normal: new BufferAttribute(body.normals, 3),
+      skinIndex: new BufferAttribute(body.skinIndices, 4),
+      skinWeight: new BufferAttribute(body.skinWeights, 4, true),
+      paint: new BufferAttribute(withTint(body), 4, true),
+    };
+    this.fine = withTriangles(attributes, body.faces);
+    this.coarse = body.coarse ? withTriangles(attributes, body.coarse) : this.fine;
+  }
+
+  dispose() {
+    this.fine.dispose();
+    this.coarse.dispose();
+  }
+}
+
+function withTriangles(attributes, faces) {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(body.vertices, 3));
-  geometry.setAttribute("normal", new BufferAttribute(body.normals, 3));
-  geometry.setAttribute("skinIndex", new BufferAttribute(body.skinIndices, 4));
-  geometry.setAttribute("skinWeight", new BufferAttribute(body.skinWeights, 4, true));
-  geometry.setAttribute("paint", new BufferAttribute(withTint(body), 4, true));
-  geometry.setIndex(new BufferAttribute(body.faces, 1));
-  return geometry;
+  for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
+  return geometry.setIndex(new BufferAttribute(faces, 1));
 }
 
 function withTint({ colours, tint }) {
@@ -39,10 +54,10 @@ class Matrices extends Skeleton {
 
 /** One skinned figure in one pose; the passes (solid, depth only, outline) share its bone matrices. */
 export class Skin {
-  constructor(geometry, bodySkeleton, poseSkeleton) {
-    this.geometry = geometry;
-    this.binding = new Binding(bodySkeleton, poseSkeleton);
-    this.matrices = new Matrices(bodySkeleton.joints.length);
+  constructor(body, poseSkeleton, coarse = false) {
+    this.geometry = coarse ? body.coarse : body.fine;
+    this.binding = new Binding(body.skeleton, poseSkeleton);
+    this.matrices = new Matrices(body.skeleton.joints.length);
     this.meshes = [];
   }
 

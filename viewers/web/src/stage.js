@@ -6,7 +6,7 @@ import { Floor, makeGradient, setRaw } from "./backdrop.js";
 import { THEMES } from "./theme.js";
 
 const MAX_PIXEL_RATIO = 2;
-const SHADOW_MAP = 2048;
+const SHADOW_MAP = 1536;
 const SUN = new Vector3(2.2, 5.2, 3.4);
 
 export class WebGLMissing extends Error {}
@@ -26,6 +26,7 @@ export class Stage {
     this.theme = THEMES.dark;
     this.pictures = 0;
     this.visible = true;
+    this.sized = false;
     this.stopped = false;
     this.request = 0;
     this.last = 0;
@@ -43,9 +44,6 @@ export class Stage {
     this.key = new DirectionalLight("#fff4e4");
     this.key.castShadow = true;
     this.key.shadow.mapSize.set(SHADOW_MAP, SHADOW_MAP);
-    this.key.shadow.radius = 5;
-    this.key.shadow.bias = -0.0004;
-    this.key.shadow.normalBias = 0.02;
     this.rim = new DirectionalLight();
     this.rim.position.set(-3, 3.2, -4.5);
     this.fill = new DirectionalLight("#cfe0ff", 0.5);
@@ -76,6 +74,9 @@ export class Stage {
     if (camera.right !== reach) {
       Object.assign(camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.5, far: 14 + reach * 2 });
       camera.updateProjectionMatrix();
+      this.key.shadow.radius = Math.max(1.5, 11 / reach); // the same softness in metres whatever the reach
+      this.key.shadow.normalBias = 0.016 + 0.006 * reach; // coarse texels need more, or bodies shade themselves in stripes
+      this.key.shadow.bias = -0.0002 - 0.00008 * reach;
     }
     const texel = (2 * reach) / SHADOW_MAP;
     const snap = (value) => Math.round(value / texel) * texel;
@@ -85,13 +86,12 @@ export class Stage {
   }
 
   resize(width, height) {
-    if (!width || !height) return;
+    this.sized = true;
     this.renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio || 1, MAX_PIXEL_RATIO));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.backdrop.material.uniforms.aspect.value = width / height;
-    this.draw(); // at once: a resized canvas is blank
     this.invalidate();
   }
 

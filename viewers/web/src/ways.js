@@ -15,13 +15,14 @@ export function floorWay(take, { mirror, inPlace }) {
 }
 
 /**
- * The floor rectangle that all ways lie in, and the farthest any figure gets from the middle of them at one time.
+ * Where all the figures go: `bounds` is the floor rectangle they walk over; `reach` the farthest any of them gets from
+ * their middle at one time, `start` the same at the start alone.
  * `rates` are the takes' frames a second, `places` where they stand.
  */
 export function coverOf(ways, rates, places) {
   const bounds = { minX: Infinity, maxX: -Infinity, minZ: Infinity, maxZ: -Infinity };
-  let spread = 0;
   const longest = Math.max(...ways.map((way, i) => (way.length / 2 - 1) / rates[i]));
+  const reaches = [];
   for (let sample = 0; sample <= SAMPLES; sample++) {
     const spots = ways.map((way, i) => {
       const frame = Math.min(Math.round((sample / SAMPLES) * longest * rates[i]), way.length / 2 - 1);
@@ -33,8 +34,8 @@ export function coverOf(ways, rates, places) {
       bounds.maxX = Math.max(bounds.maxX, x);
       bounds.minZ = Math.min(bounds.minZ, z);
       bounds.maxZ = Math.max(bounds.maxZ, z);
-      spread = Math.max(spread, Math.hypot(x - middle[0], z - middle[1]));
     }
+    reaches.push(Math.max(...spots.map(([x, z]) => Math.hypot(x - middle[0], z - middle[1]))));
   }
-  return { bounds, spread };
+  return { bounds, reach: Math.max(...reaches), start: reaches[0] };
 }

@@ -13,7 +13,7 @@ import { Transport } from "./ui/transport.js";
 const CLICK = 5; // pixels a pointer may move between down and up and still pick
 
 export class Widget {
-  constructor(el) {
+  constructor(el, theme) {
     this.host = h("div", { class: "motion-player", "data-lm-suppress-shortcuts": "true" });
     this.root = this.host.attachShadow({ mode: "open" }); // keeps the page's styles out and ours in
     this.canvas = h("canvas", { class: "view", tabindex: 0, role: "img", "aria-label": "3D stage" });
@@ -23,7 +23,7 @@ export class Widget {
     this.root.append(h("style", {}, css), this.frame);
     el.append(this.host);
     this.undo = [() => this.host.remove()];
-    this.paint("dark");
+    this.paint(resolveTheme(theme));
   }
 
   /** Builds the stage and the controls. Throws WebGLMissing where there is no WebGL 2. */
@@ -42,6 +42,7 @@ export class Widget {
     this.undo.unshift(() => this.timeline.dispose());
     this.#listen();
     this.#pointer();
+    this.player.resize(this.view.clientWidth, this.view.clientHeight);
     this.#watch();
     this.undo.unshift(listenToKeys(this.host, this.player, { toolbar: this.toolbar, help: this.help, screenshot: commands.screenshot }));
     this.#refresh();
@@ -113,10 +114,8 @@ export class Widget {
 
   #watch() {
     const { player, view } = this;
-    const resized = new ResizeObserver(() => {
-      player.stage.resize(view.clientWidth, view.clientHeight);
-      player.stage.invalidate();
-    });
+    // drawn at once, not with the next frame: a resized canvas is blank
+    const resized = new ResizeObserver(() => player.resize(view.clientWidth, view.clientHeight));
     resized.observe(view);
     const seen = new IntersectionObserver((entries) => player.stage.show(entries.at(-1).isIntersecting));
     seen.observe(this.host);
@@ -148,7 +147,6 @@ export class Widget {
 
   /** A message in place of the stage. */
   complain(title, detail) {
-    this.paint(resolveTheme("auto"));
     this.frame.replaceChildren(h("div", { class: "complaint", role: "alert" }, h("strong", {}, title), h("p", {}, detail)));
   }
 

@@ -2,6 +2,9 @@
 import { Vector3 } from "three";
 import { button, h, press } from "./dom.js";
 
+const NEAR = 64; // pixels: names closer than this side by side overlap
+const LINE = 25; // pixels from one name to the next below it
+
 export class Names {
   constructor(player) {
     this.player = player;
@@ -34,11 +37,22 @@ export class Names {
     const { player, element } = this;
     if (element.hidden || !this.buttons) return;
     const { clientWidth: width, clientHeight: height } = player.stage.canvas;
+    const taken = [];
     this.buttons.forEach((tag, i) => {
       player.actors[i].foot(this.spot).project(player.stage.camera);
       const seen = this.spot.z < 1 && Math.abs(this.spot.x) < 1.1 && Math.abs(this.spot.y) < 1.1;
       tag.style.visibility = seen ? "visible" : "hidden";
-      tag.style.transform = `translate(-50%, 0) translate(${((this.spot.x + 1) / 2) * width}px, ${((1 - this.spot.y) / 2) * height + 16}px)`;
+      if (!seen) return;
+      const x = ((this.spot.x + 1) / 2) * width;
+      const y = clear(taken, x, ((1 - this.spot.y) / 2) * height + 16);
+      tag.style.transform = `translate(-50%, 0) translate(${x}px, ${y}px)`;
     });
   }
+}
+
+// Moves a name down until it hides none of those placed before it.
+function clear(taken, x, y) {
+  while (taken.some((other) => Math.abs(other.x - x) < NEAR && Math.abs(other.y - y) < LINE)) y += LINE;
+  taken.push({ x, y });
+  return y;
 }

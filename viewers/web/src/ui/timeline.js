@@ -42,11 +42,11 @@ export class Timeline {
     for (const { kind, value } of this.take.labels) {
       if (kind !== "transition" && !hues.has(value)) hues.set(value, HUES[hues.size % HUES.length]);
     }
-    return LANES.map(([name, kinds]) => {
+    return LANES.map(([name, kinds], i) => {
       const segments = this.take.labels.filter(({ kind }) => kinds.includes(kind));
       if (!segments.length) return null;
       const blocks = segments.map((segment) => this.#block(segment, hues.get(segment.value)));
-      return lane(name, "blocks", `Labels: ${name}`, ...blocks);
+      return lane(name, i === 0 ? "blocks" : "blocks thin", `Labels: ${name}`, ...blocks);
     });
   }
 
@@ -62,9 +62,9 @@ export class Timeline {
     return h("button", {
       type: "button", class: `block ${kind}`, onclick: goTo, ondblclick: loop,
       title: `${value}, ${seconds}. Click: go there. Double-click: loop it.`,
-      "aria-label": `${kind} ${value}, ${seconds}`,
+      "aria-label": kind === "transition" ? `${value}, ${seconds}` : undefined, // others say it in their text
       style: `left:${this.#percent(start)}%;width:${this.#percent(end - start)}%;--hue:${hue ?? "transparent"}`,
-    }, h("b", {}, kind === "transition" ? "" : value), h("small", {}, kind === "transition" ? "" : seconds));
+    }, kind === "transition" ? null : h("b", {}, value), kind === "transition" ? null : h("small", {}, seconds));
   }
 
   #feetLane() {

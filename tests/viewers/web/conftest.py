@@ -1,0 +1,106 @@
+"""A Chromium with software WebGL, and pages with a player on them."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from viewers.web.player import save_html
+
+FLAGS = [
+    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+    "--disable-background-networking", "--disable-component-update", "--no-first-run", "--disable-sync",
+]  # fmt: skip
+SIZE = {"width": 900, "height": 640}
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    sync_api = pytest.importorskip("playwright.sync_api")
+    executable = shutil.which("chromium")
+    if executable is None:
+        pytest.skip("no chromium on this machine")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@dataclass
+class PlayerPage:
+    """A page with one player, and shorthands for what the tests ask of it."""
+
+    page: Any
+    complaints: list[str] = field(default_factory=list)
+    path: Path | None = None
+
+    def js(self, expression: str, argument: Any = None) -> Any:
+        """Evaluates with `player`, `model` and `root` (the player's shadow root) in scope."""
+        scope = (
+            "const host = document.querySelector('.motion-player'), player = host.player, root = host.shadowRoot, "
+            "model = window.motionPlayer?.model;"
+        )
+        return self.page.evaluate(f"(argument) => {{ {scope} return ({expression}); }}", argument)
+
+    def get(self, trait: str) -> Any:
+        return self.js("model.get(argument)", trait)
+
+    def set(self, trait: str, value: Any) -> None:
+        self.js("model.set(argument[0], argument[1])", [trait, value])
+
+    def pictures(self, count: int = 2) -> None:
+        """Waits until so many more pictures are drawn."""
+        self.page.evaluate(
+            "(count) => new Promise((done) => { const s = document.querySelector('.motion-player').player.stage; "
+            "const end = s.pictures + count; const look = () => s.pictures >= end ? done() : (s.invalidate(), "
+            "requestAnimationFrame(look)); look(); })",
+            count,
+        )
+
+    def still(self) -> None:
+        """Waits until nothing moves any more."""
+        self.page.wait_for_function(
+            "() => { const s = document.querySelector('.motion-player').player.stage, now = s.pictures; "
+            "const was = window.lastPictures; window.lastPictures = now; return was === now && !s.request; }",
+            polling=150,
+        )
+
+    def focus(self) -> None:
+        self.js("root.querySelector('.view').focus()")
+
+    def press(self, *keys: str) -> None:
+        for key in keys:
+            self.page.keyboard.press(key)
+
+    @property
+    def frame(self) -> int:
+        return self.js("player.frame")
+
+
+@pytest.fixture
+def open_player(chromium: Any, tmp_path: Path) -> Iterator[Callable[..., PlayerPage]]:
+    """Opens a page with a player; a console error or an uncaught exception fails the test."""
+    opened: list[PlayerPage] = []
+
+    def start(motions: Any, *, fragment: str = "", context: dict[str, Any] | None = None, **options: Any) -> PlayerPage:
+        path = save_html(motions, tmp_path / f"player{len(opened)}.html", body=options.pop("body", "stick"), **options)
+        page = chromium.new_page(**{"viewport": SIZE, **(context or {})})
+        made = PlayerPage(page, path=path)
+        page.on("pageerror", lambda error: made.complaints.append(str(error)))
+        page.on("console", lambda m: made.complaints.append(m.text) if m.type in ("error", "warning") else None)
+        opened.append(made)
+        page.goto(f"{path.as_uri()}{fragment}")
+        page.wait_for_function(
+            "() => window.motionPlayer?.model.get('ready') || window.motionPlayer?.model.get('error')"
+        )
+        return made
+
+    yield start
+    for made in opened:
+        made.page.close()
+    assert [text for made in opened for text in made.complaints] == []
