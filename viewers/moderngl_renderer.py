@@ -18,6 +18,10 @@ from viewers.scene import Scene, hex_to_rgb, thumbnail
 
 LARGEST = 8192
 """Longest side of a picture, pixels."""
+RING = 6
+"""Pictures of a video kept in memory at a time: those that wait for the encoder, and those at work."""
+MOST_LINES = 60
+"""Floor lines on either side of the middle, at most."""
 _COVERAGE, _ALPHA_TO_ONE, _CLIP = 0x809E, 0x809F, 0x3000  # OpenGL's names for these switches
 
 
@@ -63,17 +67,29 @@ class Renderer:
 
     def frames(self, scene: Scene, fps: float = 30.0) -> Iterator[np.ndarray]:
         """(H, W, 3) uint8 pictures of the whole scene at `fps`; poses between the motion's own frames are slerped."""
-        with self.staged(scene, scene.times(fps)) as stage:
-            for moment in range(len(stage.times)):
+        for picture in self.pictures(scene, scene.times(fps)):
+            yield np.ascontiguousarray(picture[..., :3])
+
+    def pictures(self, scene: Scene, times: np.ndarray) -> Iterator[np.ndarray]:
+        """(H, W, 4) uint8 pictures at `times` (N,) seconds, each valid until RING - 1 more were asked for.
+
+        A picture is read back while the next is being drawn.
+        """
+        ring = [np.empty((self.height, self.width, 4), np.uint8) for _ in range(min(RING, len(times)))]
+        with self.staged(scene, times) as stage:
+            for moment in range(len(times)):
+                self.targets.next_picture()
                 self.draw(stage, moment)
-                yield self.targets.read_rgb()
+                if moment:
+                    yield self.targets.read_into(ring[(moment - 1) % len(ring)], previous=True)
+            yield self.targets.read_into(ring[(len(times) - 1) % len(ring)])
 
     def thumbnail(self, motion: Motion, **options) -> np.ndarray:
         """(H, W, 3) uint8 still of the motion's most telling frame; options as `scene.thumbnail`."""
         return self.frame(thumbnail(motion, **options))
 
     def staged(self, scene: Scene, times: np.ndarray) -> _Staged:
-        """The scene made ready for `times` (N,) seconds: `with renderer.staged(...) as stage: renderer.draw(stage, i)`."""
+        """The scene made ready for `times` (N,) seconds: `with ... as stage: renderer.draw(stage, i)`."""
         self._check_thread()
         return _Staged(staging.build(self.graphics, scene, times, (self.width, self.height)))
 
@@ -87,8 +103,6 @@ class Renderer:
         if stage.scene.floor:
             self._shadow_atlas(stage, moment)
         gl = self.graphics.gl
-        self.targets.picture.use()
-        gl.viewport = (0, 0, self.width, self.height)
         gl.disable(gl.DEPTH_TEST | gl.BLEND | gl.CULL_FACE)
         self._backdrop(stage, moment, matrix)
         gl.enable(gl.BLEND)
@@ -96,27 +110,22 @@ class Renderer:
         if stage.scene.floor:
             self._floor_marks(stage, moment, matrix)
         gl.blend_func = gl.ONE, gl.ONE_MINUS_SRC_ALPHA
-        self.targets.picture.scissor = tuple(stage.boxes[moment])
-        self.targets.compose_layer()
-        self.targets.picture.scissor = None
+        self.targets.compose_layer(stage.strips[moment])
         gl.blend_func = gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA
         self._labels(stage, moment, matrix)
 
     def _figures(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         """The bodies and their ghosts, on their own multisampled layer, within the box they may touch."""
-        gl, layer = self.graphics.gl, self.targets.layer
-        layer.use()
-        layer.scissor = tuple(stage.boxes[moment])
-        layer.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        gl = self.graphics.gl
+        self.targets.open_layer(tuple(stage.boxes[moment]), stage.largest_box)
         gl.enable_only(gl.DEPTH_TEST | gl.CULL_FACE)
         gl.front_face = "cw"  # the picture is drawn upside down
         gl.enable_direct(_CLIP)
         for rows in {figure.mesh.rows for figure in stage.figures}:
-            self._set_light(self.graphics.program("figure", "figure", rows), stage, moment, matrix)
-        for figure in stage.figures:
-            self._draw_figure(figure, moment)
+            self._set_light(self.graphics.program("figure", "figure", ROWS=rows), stage, moment, matrix)
+        for figure, height in zip(stage.figures, stage.heights[moment], strict=True):
+            self._draw_figure(figure, moment, float(height))
         gl.disable_direct(_CLIP)
-        layer.scissor = None
 
     def _set_light(self, program: moderngl.Program, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         light, colours = stage.scene.light, stage.scene.colours
@@ -129,19 +138,23 @@ class Renderer:
         program["ground_light"].value = tuple(np.array([0.17, 0.165, 0.17]) * light.sky)
         program["fade"].value = (*np.square(hex_to_rgb(colours.centre)), 0.0)
 
-    def _draw_figure(self, figure: Figure, moment: int) -> None:
-        program = figure.mesh.shaded.program
+    def _draw_figure(self, figure: Figure, moment: int, height: float) -> None:
+        array = figure.mesh.level(height)
+        program = array.program
         faded = program["fade"].value[:3]
-        ghosts = figure.ghosts[moment] if figure.ghosts else ()
-        for pose, alpha, fade, poses in [
-            *((ghost.pose, ghost.alpha, ghost.fade, figure.ghost_poses) for ghost in ghosts),
-            (moment, figure.alpha, 0.0, figure.poses),
-        ]:
-            self._see_through(alpha)
-            program["alpha"].value = alpha
-            program["fade"].value = (*faded, fade)
-            poses.bind(pose)
-            figure.mesh.shaded.render()
+        if figure.ghost_poses is not None:
+            faint = figure.mesh.level(0.3 * height)
+            for ghost in figure.ghosts[moment]:
+                self._see_through(ghost.alpha)
+                program["alpha"].value = ghost.alpha
+                program["fade"].value = (*faded, ghost.fade)
+                figure.ghost_poses.bind(ghost.pose)
+                faint.render()
+        self._see_through(figure.alpha)
+        program["alpha"].value = figure.alpha
+        program["fade"].value = (*faded, 0.0)
+        figure.poses.bind(moment)
+        array.render()
         self._see_through(1.0)
 
     def _see_through(self, alpha: float) -> None:
@@ -154,7 +167,8 @@ class Renderer:
         gl, targets = self.graphics.gl, self.targets
         casting = [i for i, figure in enumerate(stage.figures) if figure.casts_shadow]
         targets.open_atlas(len(casting))
-        gl.enable_only(gl.BLEND)
+        gl.enable_only(gl.BLEND | gl.CULL_FACE)  # what faces the light casts the whole shadow
+        gl.front_face = "cw"  # seen from above, x right and z up the tile is a mirrored view
         gl.blend_equation = gl.MAX
         gl.blend_func = gl.ONE, gl.ONE
         light = stage.scene.light.direction
@@ -167,24 +181,48 @@ class Renderer:
             figure.poses.bind(moment)
             figure.mesh.flat.render()
         gl.blend_equation = gl.FUNC_ADD
-        gl.disable(gl.BLEND)
+        gl.disable(gl.BLEND | gl.CULL_FACE)
         targets.blur_atlas()
 
     def _backdrop(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
-        program = self.graphics.program("backdrop", "backdrop")
-        colours, target = stage.scene.colours, stage.track.target[moment]
+        """Sky and floor; a still camera sees the same ones all the time, so they are kept."""
+        eye, target = stage.track.eye[moment], stage.track.target[moment]
+        key = (stage.scene.colours, stage.scene.floor, stage.track.fov, eye.tobytes(), target.tobytes())
+        if self.targets.keep_backdrop(key):
+            return
+        colours, grain = stage.scene.colours, {"GRAIN": 1} if len(stage.times) == 1 else {}
+        program = self.graphics.program("backdrop", "backdrop", **grain)  # an encoder would only wash grain out again
         around = np.eye(4)
-        around[:3, 3] = stage.track.eye[moment]
+        around[:3, 3] = eye
+        reach = float(staging.floor_reach(np.linalg.norm(eye - target)))
         program["unproject"].write(np.ascontiguousarray(np.linalg.inv(matrix @ around).T, np.float32))
-        program["eye"].value = tuple(stage.track.eye[moment])
+        program["eye"].value = tuple(eye)
         program["focus"].value = (target[0], target[2])
-        program["reach"].value = 2.0 + 1.1 * float(np.linalg.norm(stage.track.eye[moment] - target))
+        program["reach"].value = reach**-2 if stage.scene.floor else 0.0
         program["aspect"].value = self.width / self.height
-        program["has_floor"].value = float(stage.scene.floor)
         for name, colour in (("centre", colours.centre), ("edge", colours.edge), ("ground", colours.floor)):
             program[name].value = hex_to_rgb(colour)
-        program["lines"].value = hex_to_rgb(colours.grid)
-        self.targets.screen(program)
+        self.targets.net(program)
+        if stage.scene.floor and eye[1] > 0:
+            self._grid(stage, moment, matrix, reach)
+        self.targets.backdrop_drawn()
+
+    def _grid(self, stage: Stage, moment: int, matrix: np.ndarray, reach: float) -> None:
+        gl, target = self.graphics.gl, stage.track.target[moment]
+        program = self.graphics.program("grid", "grid")
+        program["view_projection"].write(np.ascontiguousarray(matrix.T))
+        program["focus"].value = (target[0], target[2])
+        program["reach"].value = reach**-2
+        count = int(min(np.ceil(reach), MOST_LINES))
+        pieces = max(8, 2 * count // 3)
+        program["count"].value, program["pieces"].value = count, pieces
+        program["size"].value = (float(self.width), float(self.height))
+        program["near"].value = float(stage.track.near)
+        program["lines"].value = hex_to_rgb(stage.scene.colours.grid)
+        gl.enable(gl.BLEND)
+        gl.blend_func = gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA
+        self.targets.strips(program, 2 * (2 * count + 1) * pieces)
+        gl.disable(gl.BLEND)
 
     def _floor_marks(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         patch = self.graphics.program("patch", "patch")

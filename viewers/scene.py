@@ -165,7 +165,9 @@ class Scene:
             Actor(motion, **{"colour": colour, "offset": tuple(map(float, offset)), **options})
             for motion, colour, offset in zip(motions, colours, offsets, strict=False)
         ]
-        return cls(tuple(actors), camera or Camera("follow" if len(motions) == 1 else "orbit"))
+        return cls(
+            tuple(actors), camera or (Camera("follow") if len(motions) == 1 else Camera("orbit", yaw=0.22, pitch=0.16))
+        )
 
     @property
     def duration(self) -> float:

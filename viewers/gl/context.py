@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import re
 import sys
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,22 +46,29 @@ class GraphicsContext:
     def __init__(self) -> None:
         self.gl: moderngl.Context = open_context()
         self.thread = threading.get_ident()
-        self._programs: dict[tuple[str, str, int], moderngl.Program] = {}
+        self._programs: dict[tuple[str, str, tuple[tuple[str, int], ...]], moderngl.Program] = {}
         self.cache: dict[object, object] = {}
         """Uploaded meshes and the like, keyed by their owners."""
 
-    def program(self, vertex: str, fragment: str, rows: int = 0) -> moderngl.Program:
+    def __del__(self) -> None:
+        # the thread ends, and its context with it
+        with contextlib.suppress(Exception):
+            self.cache.clear()
+            self.gl.release()
+
+    def program(self, vertex: str, fragment: str, **defines: int) -> moderngl.Program:
         """The program of two shader files (names without folder and ending), compiled once.
 
         Args:
             vertex: vertex shader.
             fragment: fragment shader.
-            rows: how many rows of joint matrices the shaders take, if they skin.
+            defines: preprocessor constants (ROWS of joint matrices, GRAIN, ...).
         """
-        key = (vertex, fragment, rows)
+        key = (vertex, fragment, tuple(sorted(defines.items())))
         if key not in self._programs:
             self._programs[key] = self.gl.program(
-                vertex_shader=source(f"{vertex}.vert.glsl", rows), fragment_shader=source(f"{fragment}.frag.glsl", rows)
+                vertex_shader=source(f"{vertex}.vert.glsl", defines),
+                fragment_shader=source(f"{fragment}.frag.glsl", defines),
             )
         return self._programs[key]
 
@@ -100,8 +109,9 @@ def open_context() -> moderngl.Context:
     raise NoGraphicsError(failures)
 
 
-def source(name: str, rows: int = 0) -> str:
-    """Text of a shader file, its #include lines filled in."""
+def source(name: str, defines: Mapping[str, int] | None = None) -> str:
+    """Text of a shader file, its #include lines filled in and constants defined after its #version line."""
     text = (SHADERS / name).read_text(encoding="utf-8")
     text = re.sub(r'#include "([\w.]+)"', lambda match: (SHADERS / match[1]).read_text(encoding="utf-8"), text)
-    return text.replace("ROWS", str(rows))
+    version, rest = text.split("\n", 1)
+    return "\n".join([version, *(f"#define {key} {value}" for key, value in (defines or {}).items()), rest])

@@ -11,6 +11,8 @@ from engines.errors import OutOfRangeError
 from viewers.bodies.body import Body, eight_bit_weights
 from viewers.gl.context import GraphicsContext
 
+LEVEL_HEIGHTS = (900, 190)
+"""Figures less tall than this many pixels are drawn with the second, the third level of their body."""
 _BLOCK = 64
 """Programs are compiled for multiples of so many joints, so that most skeletons share one."""
 _LAYOUT = np.dtype(
@@ -26,10 +28,14 @@ class Mesh:
 
     rows: int
     """Rows of joint matrices its programs expect."""
-    shaded: moderngl.VertexArray
-    """Draws it in colour."""
+    shaded: list[moderngl.VertexArray]
+    """Draw it in colour, the finest level first."""
     flat: moderngl.VertexArray
-    """Draws its shadow."""
+    """Draws its shadow, coarsely."""
+
+    def level(self, height: float) -> moderngl.VertexArray:
+        """What to draw for a figure `height` pixels tall."""
+        return self.shaded[sum(height < limit for limit in LEVEL_HEIGHTS[: len(self.shaded) - 1])]
 
 
 def rows_for(joints: int) -> int:
@@ -64,17 +70,17 @@ def _upload(graphics: GraphicsContext, body: Body, colour: tuple[float, float, f
     packed["weights"] = eight_bit_weights(body.skin_weights)
     packed["colour"][:, :3] = body.painted(colour)
     buffer = graphics.gl.buffer(packed.tobytes())
-    index = graphics.gl.buffer(body.faces.astype(np.uint32).tobytes())
-    shaded = graphics.program("figure", "figure", rows)
-    flat = graphics.program("shadow", "shadow", rows)
+    levels = [graphics.gl.buffer(faces.astype(np.uint32).tobytes()) for faces in (body.faces, *body.coarse)]
+    shaded = graphics.program("figure", "figure", ROWS=rows)
+    flat = graphics.program("shadow", "shadow", ROWS=rows)
     for program in (shaded, flat):
         block = program["Pose"]
         assert isinstance(block, moderngl.UniformBlock)
         block.binding = 0
     return Mesh(
         rows,
-        graphics.gl.vertex_array(shaded, [(buffer, _FULL[0], *_FULL[1])], index),
-        graphics.gl.vertex_array(flat, [(buffer, _SHADOW[0], *_SHADOW[1])], index),
+        [graphics.gl.vertex_array(shaded, [(buffer, _FULL[0], *_FULL[1])], level) for level in levels],
+        graphics.gl.vertex_array(flat, [(buffer, _SHADOW[0], *_SHADOW[1])], levels[-1]),
     )
 
 

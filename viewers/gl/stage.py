@@ -13,13 +13,14 @@ from engines.motion import Motion
 from viewers import bodies
 from viewers.bodies.body import Body
 from viewers.camera import CameraTrack
+from viewers.gl import extent
 from viewers.gl.context import GraphicsContext
 from viewers.gl.figures import Mesh, Poses, mesh
 from viewers.gl.marks import Label, Marks, actor_marks
 from viewers.scene import Actor, Scene, hex_to_rgb, sample
 
-REACH = 0.24
-"""A skin's outermost vertex lies no farther than this from some joint, metres, the tips of hands, head and feet included."""
+FLOOR = (3.0, 2.2)
+"""The floor has faded away at so many metres, plus so many times the camera's distance, from what is looked at."""
 GHOST_LIMIT = 48
 """So many ghosts of one actor at most; with more the interval grows."""
 
@@ -65,9 +66,18 @@ class Stage:
     """(N, figures, 4) centre x, z and 1 / half size of the floor under each shadow."""
     boxes: np.ndarray
     """(N, 4) left, top, width, height in pixels of the part of the picture that figures may touch."""
+    strips: np.ndarray
+    """(N, BANDS, 4) left, top, right, bottom in pixels: the same, closer."""
+    heights: np.ndarray
+    """(N, figures) height of each figure in pixels, roughly."""
     floor_clip: float = -1e9
     """Height below which figures are hidden by the floor."""
     owned: list[Poses] = field(default_factory=list)
+
+    @property
+    def largest_box(self) -> tuple[int, int]:
+        """Width and height that hold the box of any moment."""
+        return int(self.boxes[:, 2].max()), int(self.boxes[:, 3].max())
 
     def release(self) -> None:
         """Free what was uploaded for this scene."""
@@ -87,6 +97,23 @@ class _Played:
     def matrices(self) -> np.ndarray:
         return bodies.skinning_matrices(self.body.skeleton, self.positions, self.turns)
 
+    @property
+    def outline(self) -> np.ndarray:
+        return extent.outline(self.body.skeleton, self.positions, self.turns)
+
+
+@dataclass
+class _Seen:
+    """A figure, and where it may be seen."""
+
+    figure: Figure
+    points: np.ndarray
+    """(N, P, 3) along its bones."""
+    ghosts: np.ndarray
+    """(N, Q, 3) along those of its ghosts."""
+    reach: float
+    """Metres its skin may reach beyond them."""
+
 
 def build(graphics: GraphicsContext, scene: Scene, times: np.ndarray, size: tuple[int, int]) -> Stage:
     """The stage of a scene at `times` (N,) seconds, for pictures of `size` (width, height)."""
@@ -94,14 +121,12 @@ def build(graphics: GraphicsContext, scene: Scene, times: np.ndarray, size: tupl
     track = scene.track(times, aspect)
     flip = np.diag([1.0, -1.0, 1.0, 1.0])  # OpenGL's first row becomes the top of the picture
     matrices = (flip @ track.projection(aspect) @ track.views()).astype(np.float32)
-    figures, owned, points = [], [], []
-    for actor in scene.actors:
-        for figure, seen in _figures(graphics, actor, times):
-            figures.append(figure)
-            owned += [figure.poses] + ([figure.ghost_poses] if figure.ghost_poses else [])
-            points.append(seen)
-    joints = [seen for seen in points]
-    lowest = min(float(p[..., 1].min()) for p in joints)
+    seen = [one for actor in scene.actors for one in _figures(graphics, actor, times)]
+    boxes, strips = _extents(seen, matrices, track.fov, size)
+    figures = [one.figure for one in seen]
+    lowest = min(float(one.points[..., 1].min()) for one in seen)
+    distance = np.stack([np.linalg.norm(one.points.mean(1) - track.eye, axis=-1) for one in seen], axis=1)
+    light = scene.light.direction
     return Stage(
         scene=scene,
         times=times,
@@ -110,15 +135,31 @@ def build(graphics: GraphicsContext, scene: Scene, times: np.ndarray, size: tupl
         figures=figures,
         marks=[marks for actor in scene.actors for marks in actor_marks(graphics, actor)],
         labels=[Label(graphics, actor, times, size) for actor in scene.actors if actor.label],
-        shadow_areas=np.stack([_shadow_areas(p[:, : p.shape[1]], scene.light.direction) for p in joints], axis=1),
-        boxes=_boxes(points, matrices, size, track.fov),
+        shadow_areas=np.stack([extent.shadow_areas(one.points, one.reach, light) for one in seen], axis=1),
+        boxes=boxes,
+        strips=strips,
+        heights=1.75 * size[1] / (2 * np.tan(track.fov / 2) * distance),
         floor_clip=-0.004 if scene.floor and lowest > -0.25 else -1e9,
-        owned=owned,
+        owned=[poses for figure in figures for poses in (figure.poses, figure.ghost_poses) if poses is not None],
     )
 
 
-def _figures(graphics: GraphicsContext, actor: Actor, times: np.ndarray) -> list[tuple[Figure, np.ndarray]]:
-    """The actor's bodies, each with the points (N, P, 3) it and its ghosts reach at each moment."""
+def _extents(
+    seen: list[_Seen], matrices: np.ndarray, fov: float, size: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """`extent.bands` around all figures and ghosts."""
+    discs = [
+        extent.project(points, one.reach, matrices, fov, size)
+        for one in seen
+        for points in (one.points, one.ghosts)
+        if points.shape[1]
+    ]
+    places, radii = (np.concatenate(parts, axis=1) for parts in zip(*discs, strict=True))
+    return extent.bands(places, radii, size)
+
+
+def _figures(graphics: GraphicsContext, actor: Actor, times: np.ndarray) -> list[_Seen]:
+    """The actor's bodies and where they may be seen."""
     colour = hex_to_rgb(actor.colour) if actor.colour else None
     wanted = []
     if actor.show in ("body", "both"):
@@ -130,39 +171,31 @@ def _figures(graphics: GraphicsContext, actor: Actor, times: np.ndarray) -> list
         played = _play(body, motion, times, actor.offset)
         uploaded = mesh(graphics, body, colour)
         figure = Figure(uploaded, Poses(graphics, played.matrices, uploaded.rows), alpha)
-        seen = played.positions
+        figure.casts_shadow = not made
+        ghosts = np.zeros((len(times), 0, 3))
         if actor.ghosts:
-            seen = _add_ghosts(graphics, figure, (actor, motion, body), times, seen)
-        made.append((figure, seen))
-    if len(made) > 1:
-        made[1][0].casts_shadow = False
+            ghosts = _add_ghosts(graphics, figure, actor, (body, motion), times)
+        made.append(_Seen(figure, played.outline, ghosts, extent.reach(body.skeleton)))
     return made
 
 
 def _add_ghosts(
-    graphics: GraphicsContext, figure: Figure, who: tuple[Actor, Motion, Body], times: np.ndarray, seen: np.ndarray
+    graphics: GraphicsContext, figure: Figure, actor: Actor, played: tuple[Body, Motion], times: np.ndarray
 ) -> np.ndarray:
-    """Give a figure its ghosts; returns `seen` with the points of those visible at each moment."""
-    actor, motion, body = who
+    """Give a figure its ghosts; returns the points (N, Q, 3) of those that are seen at each moment."""
+    body, motion = played
     step = max(actor.ghosts, -(-len(motion) // GHOST_LIMIT))
     frames = np.arange(0, len(motion), step)
     still = _play(body, motion, frames / motion.fps, actor.offset)
     figure.ghost_poses = Poses(graphics, still.matrices, figure.mesh.rows)
     figure.ghosts = [_visible_ghosts(frames / motion.fps, float(now), actor.ghost_count) for now in times]
-    low = np.array(
-        [
-            [still.positions[[g.pose for g in now]].min((0, 1)) if now else at.min(0)]
-            for now, at in zip(figure.ghosts, seen, strict=True)
-        ]
-    )
-    high = np.array(
-        [
-            [still.positions[[g.pose for g in now]].max((0, 1)) if now else at.max(0)]
-            for now, at in zip(figure.ghosts, seen, strict=True)
-        ]
-    )
-    corners = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T
-    return np.concatenate([seen, low + corners * (high - low)], axis=1)
+    most = max(len(now) for now in figure.ghosts)
+    poses = [[ghost.pose for ghost in now] for now in figure.ghosts]
+    if not most:
+        return np.zeros((len(times), 0, 3))
+    first = next(now for now in poses if now)
+    filled = np.array([(now or first) + (now or first)[-1:] * (most - len(now or first)) for now in poses])
+    return still.outline[filled].reshape(len(times), -1, 3)
 
 
 def _visible_ghosts(moments: np.ndarray, now: float, count: int | None) -> list[Ghost]:
@@ -194,29 +227,6 @@ def _dressed(motion: Motion, body: str | Body) -> tuple[Body, Motion]:
     return bodies.body_for(motion, body)
 
 
-def _shadow_areas(points: np.ndarray, light: np.ndarray) -> np.ndarray:
-    """(N, 4) floor squares of one size that hold the shadow of points (N, P, 3) at each moment."""
-    slant = light[[0, 2]] / light[1]
-    places = points[..., [0, 2]] - np.maximum(points[..., 1:2], 0.0) * slant
-    low, high = places.min(1), places.max(1)
-    half = float((high - low).max()) / 2 + REACH + 0.2
-    area = np.zeros((len(points), 4))
-    area[:, :2] = (low + high) / 2
-    area[:, 2] = 1.0 / half
-    return area
-
-
-def _boxes(points: list[np.ndarray], matrices: np.ndarray, size: tuple[int, int], fov: float) -> np.ndarray:
-    """(N, 4) pixel rectangles around points (N, P, 3), with room for the skin around the joints."""
-    low, high = np.full((len(matrices), 2), np.inf), np.full((len(matrices), 2), -np.inf)
-    for group in points:
-        clip = np.einsum("nab,npb->npa", matrices[:, :3], np.pad(group, ((0, 0), (0, 0), (0, 1)), constant_values=1.0))
-        depth = np.einsum("nb,npb->np", matrices[:, 3], np.pad(group, ((0, 0), (0, 0), (0, 1)), constant_values=1.0))
-        depth = np.maximum(depth, 0.05)[..., None]
-        room = REACH / np.tan(fov / 2) / depth * np.array([size[1] / size[0], 1.0])
-        low = np.minimum(low, (clip[..., :2] / depth - room).min(1))
-        high = np.maximum(high, (clip[..., :2] / depth + room).max(1))
-    pixels = np.array(size)
-    first = np.floor((np.clip(low, -1, 1) + 1) / 2 * pixels)
-    last = np.ceil((np.clip(high, -1, 1) + 1) / 2 * pixels)
-    return np.concatenate([first, np.maximum(last - first, 1)], axis=1).astype(int)
+def floor_reach(distance: float) -> float:
+    """Metres from what is looked at to where the floor has faded away."""
+    return FLOOR[0] + FLOOR[1] * distance

@@ -7,8 +7,12 @@ import numpy as np
 
 from viewers.gl.context import GraphicsContext
 
-TILE = 192
+TILE = 128
 """Pixels along a side of one actor's shadow."""
+
+
+NET = (32, 40)
+"""Cells across and down of the net that carries the backdrop's colours."""
 
 
 class Targets:
@@ -17,33 +21,102 @@ class Targets:
     def __init__(self, graphics: GraphicsContext, width: int, height: int, samples: int) -> None:
         gl = graphics.gl
         self.graphics, self.width, self.height, self.samples = graphics, width, height, samples
-        many = samples if samples > 1 else 0
-        self._layer_image = gl.texture((width, height), 4, samples=many)
-        depth = gl.depth_renderbuffer((width, height), samples=many)
-        self.layer = gl.framebuffer([self._layer_image], depth)
-        self._picture_image = gl.texture((width, height), 4)
-        self.picture = gl.framebuffer([self._picture_image])
-        self._owned = [self.layer, depth, self._layer_image, self.picture, self._picture_image]
+        self.layer: moderngl.Framebuffer | None = None
+        self.layer_place = (0, 0)
+        self._pictures = [gl.framebuffer([gl.texture((width, height), 4)]) for _ in range(2)]
+        self._backdrop = gl.framebuffer([gl.texture((width, height), 4)])
+        self._backdrop_key: object = None
+        self._keep = self._kept = False
         self._across = 0
         self._atlas: list[moderngl.Framebuffer] = []
-        self._planes: list[moderngl.Framebuffer] = []
 
     def screen(self, program: moderngl.Program) -> None:
         """Run a program over the whole current target."""
         self._array(program).render(moderngl.TRIANGLES, vertices=3)
+
+    def net(self, program: moderngl.Program) -> None:
+        """Run a program over the whole target, its vertices on a net."""
+        cache, gl = self.graphics.cache, self.graphics.gl
+        if ("net", program) not in cache:
+            x, y = np.meshgrid(np.linspace(-1, 1, NET[0] + 1), np.linspace(-1, 1, NET[1] + 1))
+            places = gl.buffer(np.stack([x, y], axis=-1).astype(np.float32).tobytes())
+            number = np.arange(x.size).reshape(x.shape)
+            a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
+            index = gl.buffer(np.stack([a, b, c, b, d, c], axis=-1).astype(np.uint32).tobytes())
+            cache["net", program] = gl.vertex_array(program, [(places, "2f", "in_place")], index)
+        cache["net", program].render(moderngl.TRIANGLES)
+
+    def strips(self, program: moderngl.Program, count: int) -> None:
+        """Run a program on quads that know only their number."""
+        self._array(program).render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
 
     def draw_patch(self, program: moderngl.Program) -> None:
         """Draw a quad of floor that shows a tile of the atlas."""
         self._image(self._atlas[0]).use(0)
         self._array(program).render(moderngl.TRIANGLE_STRIP, vertices=4)
 
-    def compose_layer(self) -> None:
-        """Lay the figures over the picture, samples averaged."""
-        program = self.graphics.program("screen", "layer" if self.samples > 1 else "layer_single")
+    # ---- the figures' layer ---------------------------------------------------------------------------------------
+
+    def open_layer(self, box: tuple[int, int, int, int], largest: tuple[int, int]) -> None:
+        """Clear the layer for figures within a box of the picture (left, top, width, height) and make it the target.
+
+        The layer is only as large as the boxes of a stage (`largest`), since clearing samples costs time.
+        """
+        gl = self.graphics.gl
+        if self.layer is None or self.layer.width < largest[0] or self.layer.height < largest[1]:
+            self._close_layer()
+            size = (min(-(-largest[0] // 64) * 64, self.width), min(-(-largest[1] // 64) * 64, self.height))
+            many = self.samples if self.samples > 1 else 0
+            image, depth = gl.texture(size, 4, samples=many), gl.depth_renderbuffer(size, samples=many)
+            self.layer = gl.framebuffer([image], depth)
+        self.layer.use()
+        self.layer_place = (box[0], box[1])
+        gl.viewport = (-box[0], -box[1], self.width, self.height)
+        self.layer.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+
+    def compose_layer(self, strips: np.ndarray) -> None:
+        """Lay the figures over strips (BANDS, 4) of the picture (left, top, right, bottom), samples averaged."""
+        assert self.layer is not None
+        program = self.graphics.program("strips", "layer" if self.samples > 1 else "layer_single")
+        places = strips.reshape(-1, 2) / np.array([self.width, self.height]) * 2 - 1
+        program["strips"].write(np.ascontiguousarray(places.reshape(-1, 4), np.float32))
         if self.samples > 1:
             program["samples"].value = self.samples
-        self._layer_image.use(0)
-        self.screen(program)
+        program["corner"].value = self.layer_place
+        self._image(self.layer).use(0)
+        self.strips(program, len(strips))
+
+    def _close_layer(self) -> None:
+        if self.layer is not None:
+            depth = self.layer.depth_attachment
+            for part in (self._image(self.layer), depth, self.layer):
+                if part is not None:
+                    part.release()
+            self.layer = None
+
+    # ---- the backdrop of a still camera ---------------------------------------------------------------------------
+
+    def keep_backdrop(self, key: object) -> bool:
+        """Make the picture the target; if the backdrop `key` is the one drawn last, put it there and return True.
+
+        A backdrop asked for twice in a row is kept; one that is asked for once costs nothing extra.
+        """
+        again = key == self._backdrop_key
+        self._backdrop_key = key
+        self._keep = again and not self._kept
+        if again and self._kept:
+            self.graphics.gl.copy_framebuffer(self.picture, self._backdrop)
+        self._kept = self._kept and again
+        self.picture.use()
+        self.graphics.gl.viewport = (0, 0, self.width, self.height)
+        return self._kept
+
+    def backdrop_drawn(self) -> None:
+        """Called when the backdrop alone is in the picture: keep it if it was asked for before."""
+        if self._keep:
+            self.graphics.gl.copy_framebuffer(self._backdrop, self.picture)
+            self.picture.use()
+            self._kept = True
 
     # ---- shadows ----------------------------------------------------------------------------------------------
 
@@ -80,18 +153,30 @@ class Targets:
 
     # ---- reading ------------------------------------------------------------------------------------------------
 
+    @property
+    def picture(self) -> moderngl.Framebuffer:
+        """What is being drawn."""
+        return self._pictures[0]
+
+    def next_picture(self) -> None:
+        """Draw into the other picture from now on, so that the last can be read meanwhile."""
+        self._pictures.reverse()
+
     def read_rgb(self) -> np.ndarray:
         """(H, W, 3) uint8 copy of the picture."""
-        pixels = np.frombuffer(self.picture.read(components=4, alignment=1), np.uint8)
-        return np.ascontiguousarray(pixels.reshape(self.height, self.width, 4)[..., :3])
+        return np.ascontiguousarray(self.read_into(np.empty((self.height, self.width, 4), np.uint8))[..., :3])
+
+    def read_into(self, pixels: np.ndarray, previous: bool = False) -> np.ndarray:
+        """Copy the picture, or the previous one, into (H, W, 4) uint8 `pixels`, and return them."""
+        self._pictures[previous].read_into(pixels, components=4, alignment=1)
+        return pixels
 
     def release(self) -> None:
         """Free everything."""
+        self._close_layer()
         self._free(self._atlas)
-        self._free(self._planes)
-        for part in self._owned:
-            part.release()
-        self._owned = []
+        self._free(self._pictures)
+        self._free([self._backdrop])
 
     # ---- helpers --------------------------------------------------------------------------------------------------
 

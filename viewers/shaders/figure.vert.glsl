@@ -1,21 +1,34 @@
 #version 330
+// Lit at the vertices: bodies are finely meshed, and a software rasteriser spends its time on pixels.
 #include "skin.glsl"
 in vec3 in_normal;
 in vec3 in_colour;
 
 uniform mat4 view_projection;
 uniform float floor_clip;  // lowest height that is drawn
+uniform vec3 eye;
+uniform vec3 key_direction;
+uniform vec3 key_light;
+uniform vec3 sky_light;
+uniform vec3 ground_light;
+uniform vec4 fade;  // linear colour a ghost fades to, and how far it has faded
 
-out vec3 world;
-out vec3 normal;
-out vec3 colour;
+noperspective out vec3 shade;
 
 void main() {
     mat3x4 m = blended();
-    vec4 rest = vec4(in_position, 1.0);
-    world = rest * m;
-    normal = vec4(in_normal, 0.0) * m;
-    colour = in_colour * in_colour;  // to linear light, near enough
+    vec3 world = vec4(in_position, 1.0) * m;
+    vec3 n = normalize(vec4(in_normal, 0.0) * m);
+    vec3 v = normalize(eye - world);
+    float lit = max(0.0, 0.22 + 0.78 * dot(n, key_direction));
+    vec3 light = mix(ground_light, sky_light, 0.5 + 0.5 * n.y) + key_light * lit * lit;
+    float edge = 1.0 - max(dot(n, v), 0.0);
+    float rim = edge * edge * edge * (0.25 + 0.75 * max(n.y, 0.0));
+    float gloss = max(dot(n, normalize(v + key_direction)), 0.0);
+    gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss;
+    vec3 colour = in_colour * in_colour;  // to linear light, near enough
+    vec3 result = colour * light + sky_light * (0.4 * rim) + key_light * (0.05 * gloss);
+    shade = sqrt(mix(result, fade.rgb, fade.a));
     gl_ClipDistance[0] = world.y - floor_clip;
     gl_Position = view_projection * vec4(world, 1.0);
 }

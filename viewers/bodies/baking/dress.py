@@ -25,7 +25,7 @@ THICKNESS = {
     SHIRT: 0.009, LEFT_CUFF: 0.011, RIGHT_CUFF: 0.011, TROUSERS: 0.005, SOCKS: 0.0015, BROWS: 0.0006,
 }  # fmt: skip
 
-LEVELS = (9000, 2600)
+LEVELS = (6600, 2400)
 """Faces of the coarser levels, before rims."""
 SOLE = float(SMPL22.rest_positions[SMPL22.index("left_ankle"), 1]) - 0.0772
 """Height of the ground under the rest pose."""

@@ -1,0 +1,86 @@
+"""Where figures may be seen: from a few points on each skeleton to rectangles of the picture and of the floor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from engines.skeletons.skeleton import Skeleton
+
+REACH = 0.135
+"""No vertex of a skin lies farther from the points of `outline` than this share of its skeleton's height or span."""
+BANDS = 12
+"""Strips that the part of the picture with figures in it is cut into, each as narrow as it can be."""
+
+
+def outline(skeleton: Skeleton, positions: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Points (N, P, 3) along all bones and to their tips, from joints (N, J, 3) and global rotations (N, J, 3, 3)."""
+    child = [joint for joint, parent in enumerate(skeleton.parents) if parent >= 0]
+    parent = [skeleton.parents[joint] for joint in child]
+    points = [positions]
+    points += [positions[:, parent] + share * (positions[:, child] - positions[:, parent]) for share in (1 / 3, 2 / 3)]
+    ends = [skeleton.index(name) for name in skeleton.end_offsets]
+    if ends:
+        offsets = np.array(list(skeleton.end_offsets.values()))
+        beyond = np.einsum("njab,jb->nja", turns[:, ends], offsets)
+        points += [positions[:, ends] + share * beyond for share in (0.5, 1.0)]
+    return np.concatenate(points, axis=1)
+
+
+def reach(skeleton: Skeleton) -> float:
+    """Metres a skin may reach beyond its skeleton's outline."""
+    span = float(np.ptp(skeleton.rest_positions, axis=0).max())
+    return max(REACH * span, 0.01)
+
+
+def project(
+    points: np.ndarray, radius: float, matrices: np.ndarray, fov: float, size: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pixel places (N, P, 2) of points (N, P, 3), and the radius in pixels (N, P) of spheres around them.
+
+    Points behind the camera come out far larger than the picture, so that nothing is missed.
+    """
+    padded = np.concatenate([points, np.ones((*points.shape[:2], 1))], axis=-1)
+    clip = np.einsum("nab,npb->npa", matrices.astype(np.float64), padded)
+    depth = np.maximum(clip[..., 3] - radius, 0.05)
+    places = (clip[..., :2] / depth[..., None] + 1.0) / 2 * np.array(size)
+    return places, radius / np.tan(fov / 2) / depth * size[1] / 2
+
+
+def bands(places: np.ndarray, radii: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Rectangles that hold discs in a picture of `size` (width, height).
+
+    Args:
+        places: (N, P, 2) centres, pixels.
+        radii: (N, P) pixels.
+        size: width and height of the picture.
+
+    Returns:
+        boxes (N, 4): left, top, width, height of all; strips (N, BANDS, 4) of them: left, top, right, bottom.
+    """
+    limit = np.array(size)
+    low = np.clip(np.floor((places - radii[..., None]).min(1)), 0, limit - 1)
+    high = np.clip(np.ceil((places + radii[..., None]).max(1)), low + 1, limit)
+    strips = np.zeros((len(places), BANDS, 4))
+    edges = np.round(low[:, 1:] + (high - low)[:, 1:] * np.arange(BANDS + 1) / BANDS)
+    for band in range(BANDS):
+        top, bottom = edges[:, band], edges[:, band + 1]
+        within = (places[..., 1] + radii > top[:, None]) & (places[..., 1] - radii < bottom[:, None])
+        left = np.where(within, places[..., 0] - radii, np.inf).min(1)
+        right = np.where(within, places[..., 0] + radii, -np.inf).max(1)
+        strips[:, band] = np.stack(
+            [np.clip(np.floor(left), 0, size[0]), top, np.clip(np.ceil(right), 0, size[0]), bottom], axis=-1
+        )
+    boxes = np.concatenate([low, high - low], axis=1).astype(int)
+    return boxes, strips
+
+
+def shadow_areas(points: np.ndarray, radius: float, light: np.ndarray) -> np.ndarray:
+    """(N, 4) floor squares of one size (centre x, z, 1 / half side) that hold the shadow of points (N, P, 3)."""
+    slant = light[[0, 2]] / light[1]
+    places = points[..., [0, 2]] - np.maximum(points[..., 1:2], 0.0) * slant
+    low, high = places.min(1), places.max(1)
+    half = float((high - low).max()) / 2 + 1.6 * radius
+    area = np.zeros((len(points), 4))
+    area[:, :2] = (low + high) / 2
+    area[:, 2] = 1.0 / half
+    return area

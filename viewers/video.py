@@ -1,0 +1,193 @@
+"""Videos: frames into MP4 and GIF files, and whole scenes rendered into them, with progress and cancel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError
+from engines.motion import Motion
+from viewers.camera import Camera, Mode
+from viewers.encoder import Encoder, format_of
+from viewers.scene import Scene
+
+Progress = Callable[[int, int | None], object]
+"""Called with the number of frames done and in all (None if nobody knows)."""
+Cancel = Callable[[], bool]
+"""Asked before every frame; True stops the work."""
+
+SIZES = {".mp4": (1280, 720, 30.0), ".gif": (480, 270, 20.0)}
+"""Width, height and frames a second, where none are asked for."""
+
+
+@dataclass(frozen=True)
+class VideoSettings:
+    """How a video of a scene is made. What is left None is chosen by the kind of file (see SIZES)."""
+
+    width: int | None = None
+    """Pixels; made even."""
+    height: int | None = None
+    """Pixels; made even."""
+    fps: float | None = None
+    """Frames a second; poses between the motion's own frames are interpolated."""
+    camera: Mode | Camera | None = None
+    """A camera, or the name of its mode; default: the scene's own, and "follow" for a motion."""
+    samples: int = 4
+    """Samples a pixel."""
+
+    def filled(self, suffix: str) -> VideoSettings:
+        """Nothing left open, sizes even, for a file that ends in `suffix`."""
+        width, height, fps = SIZES[suffix]
+        asked_width, asked_height = self.width, self.height
+        if asked_width and not asked_height:
+            asked_height = round(asked_width * height / width)
+        if asked_height and not asked_width:
+            asked_width = round(asked_height * width / height)
+        return replace(
+            self,
+            width=_even("width", asked_width or width),
+            height=_even("height", asked_height or height),
+            fps=fps if self.fps is None else self.fps,
+        )
+
+
+def render(
+    what: Motion | Scene | Sequence[Motion],
+    path: str | Path,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+    **settings,
+) -> Path:
+    """Render a motion, several, or a scene into a video file.
+
+    Args:
+        what: a Scene as it is; motions as `Scene.of` shows them.
+        path: ends in .mp4 or .gif.
+        progress: called with (frames done, frames in all).
+        cancel: asked before every frame; True stops and leaves no file.
+        settings: fields of VideoSettings: width, height, fps, camera, samples.
+
+    Returns:
+        The path written.
+
+    Raises:
+        FormatError: the ending is neither, or the encoder fails.
+        OutOfRangeError: sizes or fps that cannot be.
+        UnknownLabelError: a setting or camera of no known name.
+        Cancelled: `cancel` said so.
+        NoGraphicsError: no OpenGL here.
+    """
+    from viewers.moderngl_renderer import Renderer
+
+    path = Path(path)
+    chosen = _settings(settings).filled(format_of(path))
+    scene = what if isinstance(what, Scene) else Scene.of(what)
+    if chosen.camera is not None:
+        camera = chosen.camera if isinstance(chosen.camera, Camera) else Camera(chosen.camera)
+        scene = scene.replaced(camera=camera)
+    assert chosen.width and chosen.height and chosen.fps is not None
+    times = scene.times(chosen.fps)
+    with Renderer(chosen.width, chosen.height, chosen.samples) as renderer:
+        frames = renderer.pictures(scene, times)
+        return _encode(frames, path, chosen.fps, _Watch(len(times), progress, cancel))
+
+
+def write_video(
+    frames: Iterable[np.ndarray],
+    path: str | Path,
+    fps: float,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+) -> Path:
+    """Write pictures into a video file; it appears only when it is whole.
+
+    Args:
+        frames: (H, W, 3) or (H, W, 4) uint8, all of one size; odd sizes gain a row or column.
+        path: ends in .mp4 (H.264, yuv420p) or .gif.
+        fps: frames a second.
+        progress: called with (frames done, frames in all, or None if `frames` has no length).
+        cancel: asked before every frame; True stops and leaves no file.
+
+    Returns:
+        The path written.
+
+    Raises:
+        FormatError: the ending is neither, or the encoder fails.
+        OutOfRangeError: no frames, frames of several sizes, or fps not positive.
+        Cancelled: `cancel` said so.
+    """
+    total = len(frames) if isinstance(frames, Sequence) else None
+    return _encode((_checked(frame) for frame in frames), Path(path), fps, _Watch(total, progress, cancel))
+
+
+@dataclass
+class _Watch:
+    """Who is told of frames done, and who may stop the work."""
+
+    total: int | None
+    progress: Progress | None
+    cancel: Cancel | None
+
+    def before(self) -> None:
+        if self.cancel is not None and self.cancel():
+            raise Cancelled("the video was cancelled; no file was left.")
+
+    def after(self, done: int) -> None:
+        if self.progress is not None:
+            self.progress(done, self.total)
+
+
+def _encode(frames: Iterator[np.ndarray], path: Path, fps: float, watch: _Watch) -> Path:
+    """Feed frames (H, W, 3 or 4) to an encoder, which works beside us; on any failure nothing is left."""
+    if not np.isfinite(fps) or fps <= 0:
+        raise OutOfRangeError("fps", fps, "a positive number")
+    format_of(path)
+    encoder: Encoder | None = None
+    shape: tuple[int, ...] = ()
+    done = 0
+    try:
+        watch.before()
+        for frame in frames:
+            if encoder is None:
+                shape = frame.shape
+                encoder = Encoder(path, (shape[1], shape[0]), shape[2], fps)
+            if frame.shape != shape:
+                raise OutOfRangeError("size of a frame", frame.shape, f"that of the first, {shape}")
+            encoder.put(frame)
+            done += 1
+            watch.after(done)
+            watch.before()
+        if encoder is None:
+            raise OutOfRangeError("number of frames", 0, "1 or more")
+        encoder.finish()
+    except BaseException:
+        if encoder is not None:
+            encoder.abort()
+        raise
+    return path
+
+
+def _checked(frame: np.ndarray) -> np.ndarray:
+    """A picture of even size."""
+    frame = np.asarray(frame)
+    if frame.ndim != 3 or frame.shape[2] not in (3, 4) or frame.dtype != np.uint8:
+        raise OutOfRangeError("frame", f"{frame.dtype} {frame.shape}", "uint8 pictures of shape (H, W, 3) or (H, W, 4)")
+    odd = [(0, size % 2) for size in frame.shape[:2]]
+    return np.pad(frame, [*odd, (0, 0)], mode="edge") if any(more for _, more in odd) else frame
+
+
+def _settings(given: dict[str, object]) -> VideoSettings:
+    known = [field.name for field in fields(VideoSettings)]
+    for name in given:
+        if name not in known:
+            raise UnknownLabelError("video setting", name, known)
+    return VideoSettings(**given)  # type: ignore[arg-type]
+
+
+def _even(name: str, value: int) -> int:
+    if value < 1:
+        raise OutOfRangeError(name, value, "a positive number of pixels")
+    return value + value % 2
