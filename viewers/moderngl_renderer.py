@@ -11,7 +11,7 @@ import numpy as np
 from engines.errors import MotionloomError, OutOfRangeError
 from engines.motion import Motion
 from viewers.gl import stage as staging
-from viewers.gl.context import GraphicsContext, context
+from viewers.gl.context import GraphicsContext, context, put
 from viewers.gl.stage import Figure, Stage
 from viewers.gl.targets import Targets
 from viewers.scene import Scene, hex_to_rgb, thumbnail
@@ -128,31 +128,30 @@ class Renderer:
         gl.disable_direct(_CLIP)
 
     def _set_light(self, program: moderngl.Program, stage: Stage, moment: int, matrix: np.ndarray) -> None:
-        light, colours = stage.scene.light, stage.scene.colours
-        program["view_projection"].write(np.ascontiguousarray(matrix.T))
-        program["floor_clip"].value = stage.floor_clip
-        program["eye"].value = tuple(stage.track.eye[moment])
-        program["key_direction"].value = tuple(light.direction)
-        program["key_light"].value = tuple(np.array([0.86, 0.81, 0.74]) * light.key)
-        program["sky_light"].value = tuple(np.array([0.40, 0.44, 0.51]) * light.sky)
-        program["ground_light"].value = tuple(np.array([0.17, 0.165, 0.17]) * light.sky)
-        program["fade"].value = (*np.square(hex_to_rgb(colours.centre)), 0.0)
+        light = stage.scene.light
+        put(
+            program,
+            view_projection=matrix,
+            floor_clip=stage.floor_clip,
+            eye=stage.track.eye[moment],
+            key_direction=light.direction,
+            key_light=np.array([0.86, 0.81, 0.74]) * light.key,
+            sky_light=np.array([0.40, 0.44, 0.51]) * light.sky,
+            ground_light=np.array([0.17, 0.165, 0.17]) * light.sky,
+            faded=np.square(hex_to_rgb(stage.scene.colours.centre)),
+        )
 
     def _draw_figure(self, figure: Figure, moment: int, height: float) -> None:
-        array = figure.mesh.level(height)
+        array, faint = figure.mesh.level(height), figure.mesh.level(0.3 * height)
         program = array.program
-        faded = program["fade"].value[:3]
         if figure.ghost_poses is not None:
-            faint = figure.mesh.level(0.3 * height)
             for ghost in figure.ghosts[moment]:
                 self._see_through(ghost.alpha)
-                program["alpha"].value = ghost.alpha
-                program["fade"].value = (*faded, ghost.fade)
+                put(program, alpha=ghost.alpha, fade=ghost.fade)
                 figure.ghost_poses.bind(ghost.pose)
                 faint.render()
         self._see_through(figure.alpha)
-        program["alpha"].value = figure.alpha
-        program["fade"].value = (*faded, 0.0)
+        put(program, alpha=figure.alpha, fade=0.0)
         figure.poses.bind(moment)
         array.render()
         self._see_through(1.0)
@@ -169,56 +168,62 @@ class Renderer:
         targets.open_atlas(len(casting))
         gl.enable_only(gl.BLEND | gl.CULL_FACE)  # what faces the light casts the whole shadow
         gl.front_face = "cw"  # seen from above, x right and z up the tile is a mirrored view
-        gl.blend_equation = gl.MAX
+        gl.blend_equation = gl.MAX, gl.MAX
         gl.blend_func = gl.ONE, gl.ONE
         light = stage.scene.light.direction
         for tile, index in enumerate(casting):
             figure = stage.figures[index]
-            program = figure.mesh.flat.program
-            program["patch_area"].value = tuple(stage.shadow_areas[moment, index])
-            program["slant"].value = (light[0] / light[1], light[2] / light[1])
+            put(figure.mesh.flat.program, patch_area=stage.shadow_areas[moment, index], slant=light[[0, 2]] / light[1])
             gl.viewport = targets.tile(tile)
             figure.poses.bind(moment)
             figure.mesh.flat.render()
-        gl.blend_equation = gl.FUNC_ADD
+        gl.blend_equation = gl.FUNC_ADD, gl.FUNC_ADD
         gl.disable(gl.BLEND | gl.CULL_FACE)
         targets.blur_atlas()
 
     def _backdrop(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         """Sky and floor; a still camera sees the same ones all the time, so they are kept."""
         eye, target = stage.track.eye[moment], stage.track.target[moment]
-        key = (stage.scene.colours, stage.scene.floor, stage.track.fov, eye.tobytes(), target.tobytes())
+        colours = stage.scene.colours
+        grain = {"GRAIN": 1} if len(stage.times) == 1 else {}
+        key = (colours, stage.scene.floor, stage.track.fov, eye.tobytes(), target.tobytes(), len(grain))
         if self.targets.keep_backdrop(key):
             return
-        colours, grain = stage.scene.colours, {"GRAIN": 1} if len(stage.times) == 1 else {}
         program = self.graphics.program("backdrop", "backdrop", **grain)  # an encoder would only wash grain out again
         around = np.eye(4)
         around[:3, 3] = eye
-        reach = float(staging.floor_reach(np.linalg.norm(eye - target)))
-        program["unproject"].write(np.ascontiguousarray(np.linalg.inv(matrix @ around).T, np.float32))
-        program["eye"].value = tuple(eye)
-        program["focus"].value = (target[0], target[2])
-        program["reach"].value = reach**-2 if stage.scene.floor else 0.0
-        program["aspect"].value = self.width / self.height
-        for name, colour in (("centre", colours.centre), ("edge", colours.edge), ("ground", colours.floor)):
-            program[name].value = hex_to_rgb(colour)
+        reach = staging.floor_reach(float(np.linalg.norm(eye - target)))
+        put(
+            program,
+            unproject=np.linalg.inv(matrix @ around),
+            eye=eye,
+            focus=target[[0, 2]],
+            reach=reach**-2 if stage.scene.floor else 0.0,
+            aspect=self.width / self.height,
+            centre=hex_to_rgb(colours.centre),
+            edge=hex_to_rgb(colours.edge),
+            ground=hex_to_rgb(colours.floor),
+        )
         self.targets.net(program)
         if stage.scene.floor and eye[1] > 0:
             self._grid(stage, moment, matrix, reach)
         self.targets.backdrop_drawn()
 
     def _grid(self, stage: Stage, moment: int, matrix: np.ndarray, reach: float) -> None:
-        gl, target = self.graphics.gl, stage.track.target[moment]
-        program = self.graphics.program("grid", "grid")
-        program["view_projection"].write(np.ascontiguousarray(matrix.T))
-        program["focus"].value = (target[0], target[2])
-        program["reach"].value = reach**-2
+        gl, program = self.graphics.gl, self.graphics.program("grid", "grid")
         count = int(min(np.ceil(reach), MOST_LINES))
         pieces = max(8, 2 * count // 3)
-        program["count"].value, program["pieces"].value = count, pieces
-        program["size"].value = (float(self.width), float(self.height))
-        program["near"].value = float(stage.track.near)
-        program["lines"].value = hex_to_rgb(stage.scene.colours.grid)
+        put(
+            program,
+            view_projection=matrix,
+            focus=stage.track.target[moment, [0, 2]],
+            reach=reach**-2,
+            count=count,
+            pieces=pieces,
+            size=(float(self.width), float(self.height)),
+            near=stage.track.near,
+            lines=hex_to_rgb(stage.scene.colours.grid),
+        )
         gl.enable(gl.BLEND)
         gl.blend_func = gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA
         self.targets.strips(program, 2 * (2 * count + 1) * pieces)
@@ -226,26 +231,26 @@ class Renderer:
 
     def _floor_marks(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         patch = self.graphics.program("patch", "patch")
-        patch["view_projection"].write(np.ascontiguousarray(matrix.T))
-        patch["strength"].value = 1.0
         casting = [i for i, figure in enumerate(stage.figures) if figure.casts_shadow]
         for tile, index in enumerate(casting):
-            patch["patch_area"].value = tuple(stage.shadow_areas[moment, index])
-            patch["tile"].value = self.targets.tile_place(tile)
+            area = stage.shadow_areas[moment, index]
+            put(patch, view_projection=matrix, patch_area=area, tile=self.targets.tile_place(tile), strength=1.0)
             self.targets.draw_patch(patch)
         for marks in stage.marks:
-            program = marks.program
-            program["view_projection"].write(np.ascontiguousarray(matrix.T))
-            program["now"].value = float(stage.times[moment])
-            program["opacity"].value = marks.opacity
-            program["least"].value = marks.least
-            program["pixel"].value = 2 * float(np.tan(stage.track.fov / 2)) / self.height
-            program["colour"].value = marks.colour
+            put(
+                marks.program,
+                view_projection=matrix,
+                now=stage.times[moment],
+                opacity=marks.opacity,
+                least=marks.least,
+                pixel=2 * np.tan(stage.track.fov / 2) / self.height,
+                colour=marks.colour,
+            )
             marks.draw()
 
     def _labels(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         if stage.labels:
-            self.graphics.program("label", "label")["colour"].value = hex_to_rgb(stage.scene.colours.ink)
+            put(self.graphics.program("label", "label"), colour=hex_to_rgb(stage.scene.colours.ink))
         for label in stage.labels:
             label.draw(moment, matrix)
 

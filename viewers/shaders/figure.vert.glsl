@@ -11,7 +11,8 @@ uniform vec3 key_direction;
 uniform vec3 key_light;
 uniform vec3 sky_light;
 uniform vec3 ground_light;
-uniform vec4 fade;  // linear colour a ghost fades to, and how far it has faded
+uniform vec3 faded;  // linear colour a ghost fades to
+uniform float fade;  // how far it has
 
 noperspective out vec3 shade;
 
@@ -28,7 +29,7 @@ void main() {
     gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss;
     vec3 colour = in_colour * in_colour;  // to linear light, near enough
     vec3 result = colour * light + sky_light * (0.4 * rim) + key_light * (0.05 * gloss);
-    shade = sqrt(mix(result, fade.rgb, fade.a));
+    shade = sqrt(mix(result, faded, fade));
     gl_ClipDistance[0] = world.y - floor_clip;
     gl_Position = view_projection * vec4(world, 1.0);
 }

@@ -63,16 +63,16 @@ class _Simplifier:
         for face in self.faces:
             corners = self.points[list(face)]
             normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-            area = np.linalg.norm(normal) / 2
+            area = float(np.linalg.norm(normal)) / 2
             if area < 1e-14:
                 continue
             normal = normal / (2 * area)
             for start, end in zip(range(3), (1, 2, 0), strict=True):
-                self._add_plane(quadrics, face[start], normal, corners[0], area * importance[face[start]])
+                self._add_plane(quadrics, face[start], normal, corners[0], area * float(importance[face[start]]))
                 if face[end] in self.seams[face[start]]:
                     edge = corners[end] - corners[start]
                     fence = np.cross(edge, normal)
-                    length = np.linalg.norm(fence)
+                    length = float(np.linalg.norm(fence))
                     for vertex in (face[start], face[end]):
                         self._add_plane(quadrics, vertex, fence / length, corners[start], _SEAM * length**2)
         return quadrics

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from engines.skeletons import SMPL22
 
@@ -31,10 +31,10 @@ class SkinMesh:
     @property
     def twins(self) -> np.ndarray:
         """(V,) index of each vertex's mirror image."""
-        distance, index = cKDTree(self.vertices).query(self.vertices * [-1, 1, 1])
+        distance, index = KDTree(self.vertices).query(self.vertices * [-1, 1, 1])
         if distance.max() > 1e-4:
             raise ValueError(f"the mesh is not symmetric: a vertex lies {distance.max():.4f} m from its image")
-        return index
+        return np.asarray(index)
 
 
 def joint_of(bone: str) -> int:
