@@ -126,7 +126,7 @@ SMALL = Action2MotionConfig(
     velocity_weight=1.0,
     contact_weight=2.0,
     normalise=True,
-    steps=9_000,
+    steps=5_000,
 )
 """What ships: half the frame rate and a wider generator, more terms in the loss."""
 

@@ -16,10 +16,13 @@ from engines.skeletons.skeleton import Skeleton
 
 _SHORT = 1e-6
 """Bones shorter than this, in metres, have no direction."""
-_TWIST_STIFFNESS = 1.0
+_TWIST_STIFFNESS = 2.0
 """Weight of twist changing between frames, against a limb bent at a right angle."""
-_TWIST_REST = 0.004
+_TWIST_REST = 0.03
 """Weight of no twist relative to the parent: decides for limbs that stay straight."""
+
+_HARDLY_BENT = 0.1
+"""Squared sine of a bend (18 degrees) up to which the side a limb bends to may be noise."""
 
 
 def inverse(positions: np.ndarray, skeleton: Skeleton) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +111,11 @@ def _twist_to_hinge(swing: np.ndarray, bone: np.ndarray, beyond: np.ndarray, hin
     across = np.cross(bone, resting)
     # the sine of the bend is already in `axis`; a complex number holds cosine and sine of the twist
     target = np.sqrt(bent) * ((axis * resting).sum(-1) + 1j * (axis * across).sum(-1))
+    # a limb that is all but straight may bend backwards by a few degrees, and must not turn over for that: where the
+    # frames that bend well say the opposite, believe them
+    well = np.clip((bent - _HARDLY_BENT / 3) / _HARDLY_BENT, 0.0, 1.0)
+    coarse = _smooth(target * well, bent * well)
+    target = np.where((bent < _HARDLY_BENT) & ((target * coarse.conj()).real < 0), -target, target)
     twist = np.angle(_smooth(target, bent))
     return rotations.multiply(rotations.rotvec_to_quaternion(bone * twist[:, None]), swing)
 
