@@ -20,11 +20,10 @@ class Action:
     mirrors: bool = False
     """Whether the action seen in a mirror is the action its mirrored name says (its own name if unsided)."""
 
-
     @property
     def repeats(self) -> bool:
         """Whether it goes on for as long as one likes (walking) rather than being done once (a throw)."""
-        return self.group == "locomotion" and self.name not in {"jump", "leap"} or self.name in _GO_ON
+        return (self.group == "locomotion" and self.name not in {"jump", "leap"}) or self.name in _GO_ON
 
 
 _GO_ON = frozenset({

@@ -5,6 +5,7 @@ NumPy only. Every engine, reader, viewer and exporter speaks it; none speaks to 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -191,7 +192,8 @@ class Motion:
     def resample(self, fps: float) -> Motion:
         """The same movement at another rate: slerp for rotations, linear for the path.
 
-        The first frame stays the first; the last sample lies at or before the last frame.
+        The first frame stays the first; the last sample lies at or before the last frame. A label goes with the
+        samples that lie in it; one that none lies in is dropped.
         """
         if not np.isfinite(fps) or fps <= 0:
             raise OutOfRangeError("fps", fps, "a positive number")
@@ -199,10 +201,13 @@ class Motion:
             return self
         turns, path = resample.resample(self.rotations, self.translation, self.fps, fps)
         ratio = fps / self.fps
-        labels = tuple(
-            Segment(min(round(s.start * ratio), len(turns) - 1), min(max(round(s.end * ratio), 1), len(turns)), s.kind, s.value)
-            for s in self.labels
-        )
+
+        def first_at(frame: int) -> int:
+            # the first new frame at or after an old one, so that segments that met still meet
+            return min(math.ceil(frame * ratio - 1e-6), len(turns))
+
+        moved = (replace(s, start=first_at(s.start), end=first_at(s.end)) for s in self.labels)
+        labels = tuple(s for s in moved if s.end > s.start)
         return self.replaced(rotations=turns, translation=path, fps=fps, labels=labels)
 
     def concat(self, *others: Motion) -> Motion:
@@ -211,7 +216,7 @@ class Motion:
         Raises:
             SkeletonError: another skeleton; retarget first.
         """
-        parts = [self]
+        parts: list[Motion] = [self]
         for other in others:
             if other.skeleton != self.skeleton:
                 raise SkeletonError(
@@ -227,7 +232,12 @@ class Motion:
         )
 
     def mirror(self) -> Motion:
-        """Left and right changed about the plane x = 0; exact for a symmetric skeleton. Labels trade left and right."""
+        """Left and right changed about the plane x = 0; labels trade left and right.
+
+        Raises:
+            SkeletonError: the rest pose is not its own mirror image (a rig whose bones all point along x), so that the
+                mirrored rotations would be another pose; retarget to `smpl22` first.
+        """
         from engines.geometry import mirror
 
         turns, path = mirror.mirror(self.rotations, self.translation, self.skeleton)

@@ -43,21 +43,20 @@ def load(
         FormatError: there is no cache yet; the message says which command makes it.
     """
     wanted = set(corpora or CORPORA)
+    path = cache_folder() / f"house-v{VERSION}.npz"
+    if not path.is_file():
+        raise FormatError(path, "no prepared data; run: motionloom data prepare --source FOLDER_WITH_THE_ARCHIVES")
     names = set(actions) if actions is not None else None
     return [
         clip
-        for clip in _all_clips(str(cache_folder()))
-        if clip.corpus in wanted
-        and (split is None or clip.split == split)
-        and (names is None or clip.action in names)
+        for clip in _all_clips(path, path.stat().st_mtime_ns)
+        if clip.corpus in wanted and (split is None or clip.split == split) and (names is None or clip.action in names)
     ]
 
 
 @lru_cache(maxsize=2)
-def _all_clips(folder: str) -> tuple[Clip, ...]:
-    path = Path(folder) / f"house-v{VERSION}.npz"
-    if not path.is_file():
-        raise FormatError(path, "no prepared data; run: motionloom data prepare --source FOLDER_WITH_THE_ARCHIVES")
+def _all_clips(path: Path, _written: int) -> tuple[Clip, ...]:
+    # a cache made anew has another time of writing and is read again
     with np.load(path, allow_pickle=False) as stored:
         turns, places = stored["rotations"], stored["translation"]
         index = json.loads(stored["index"].tobytes())

@@ -68,7 +68,8 @@ def _standing_frame(folder: Path) -> Motion:
 
     from engines.skeletons import roles
 
-    candidates = sorted(folder.rglob("dataset-2_raise-up-*-hand_normal_00?.bvh")) or sorted(folder.rglob("*_normal_*.bvh"))
+    candidates = sorted(folder.rglob("dataset-2_raise-up-*-hand_normal_00?.bvh"))
+    candidates = candidates or sorted(folder.rglob("*_normal_*.bvh"))
     best: tuple[float, Motion] | None = None
     for path in candidates[:12]:
         motion = bvh.read(path)

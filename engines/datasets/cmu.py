@@ -1,4 +1,7 @@
-"""CMU Graphics Lab motion capture database (a subset, with its manifest). Free for all use; mocap.cs.cmu.edu, NSF EIA-0196217."""
+"""CMU Graphics Lab motion capture database (a subset, with its manifest).
+
+Free for all use; mocap.cs.cmu.edu, NSF EIA-0196217.
+"""
 
 from __future__ import annotations
 

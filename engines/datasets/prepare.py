@@ -72,30 +72,50 @@ def prepare(
 
     Returns:
         The cache file and the clips left out, each with a reason.
+
+    Raises:
+        UnknownLabelError: no such corpus.
+        FormatError: nothing of the corpora under `source`, or not one clip that can be read.
+        Cancelled: `cancel` said so; the old cache is untouched.
     """
     for name in corpora:
         if name not in CORPORA:
             raise UnknownLabelError("data set", name, CORPORA)
     with _unpacked(Path(source), corpora) as folders:
         if not folders:
-            raise FormatError(source, f"holds none of {', '.join(CORPORA[n].archive for n in corpora)}, packed or unpacked")
+            archives = ", ".join(CORPORA[name].archive for name in corpora)
+            raise FormatError(source, f"holds none of {archives}, packed or unpacked")
         clips = [clip for name, folder in folders.items() for clip in CORPORA[name].clips(folder)]
-        kept: list[tuple[ClipInfo, Motion]] = []
-        failures: list[Failure] = []
-        with ProcessPoolExecutor(workers or os.cpu_count()) as pool:
-            for done, (clip, result) in enumerate(zip(clips, pool.map(_read, clips, chunksize=8), strict=True), start=1):
-                if cancel and cancel():
-                    pool.shutdown(cancel_futures=True)
-                    raise Cancelled("data preparation was cancelled; the old cache is untouched")
-                if isinstance(result, str):
-                    failures.append(Failure(f"{clip.corpus}/{clip.name}", result))
-                else:
-                    kept.append((clip, result))
-                if progress:
-                    progress(done, len(clips), clip.name)
+        kept, failures = _read_all(clips, progress, cancel, workers)
     for failure in failures:
         log.warning("left out %s: %s", failure.clip, failure.reason)
+    if not kept:
+        first = f"; the first: {failures[0].clip}: {failures[0].reason}" if failures else ""
+        raise FormatError(source, f"not one of {len(clips)} clips could be read{first}")
     return _store(kept, failures), failures
+
+
+def _read_all(
+    clips: Sequence[ClipInfo],
+    progress: Callable[[int, int, str], None] | None,
+    cancel: Callable[[], bool] | None,
+    workers: int | None,
+) -> tuple[list[tuple[ClipInfo, Motion]], list[Failure]]:
+    """The clips that can be read, with their motions, and those that cannot, over several processes."""
+    kept: list[tuple[ClipInfo, Motion]] = []
+    failures: list[Failure] = []
+    with ProcessPoolExecutor(workers or os.cpu_count()) as pool:
+        for done, (clip, result) in enumerate(zip(clips, pool.map(_read, clips, chunksize=8), strict=True), start=1):
+            if cancel and cancel():
+                pool.shutdown(cancel_futures=True)
+                raise Cancelled("data preparation was cancelled; the old cache is untouched")
+            if isinstance(result, str):
+                failures.append(Failure(f"{clip.corpus}/{clip.name}", result))
+            else:
+                kept.append((clip, result))
+            if progress:
+                progress(done, len(clips), clip.name)
+    return kept, failures
 
 
 def _read(clip: ClipInfo) -> Motion | str:

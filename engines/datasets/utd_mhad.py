@@ -56,12 +56,17 @@ class UTDMHAD:
             raise FormatError(clip.path, "fewer than 10 frames")
         _check_limbs(clip.path, points)
         smooth = {
-            role: gaussian_filter1d(median_filter(value, size=(3, 1), mode="nearest"), _SMOOTHING, axis=0, mode="nearest")
+            role: gaussian_filter1d(_without_spikes(value), _SMOOTHING, axis=0, mode="nearest")
             for role, value in points.items()
         }
         motion = _grounded(retarget.from_points(smooth, fps))
         labels = (Segment(0, len(motion), "action", clip.action),) if clip.action else ()
         return to_house(motion.replaced(labels=labels))
+
+
+def _without_spikes(path: np.ndarray) -> np.ndarray:
+    """A joint's path (T, 3) without single frames that jump."""
+    return median_filter(path, size=(3, 1), mode="nearest")
 
 
 def _grounded(motion: Motion) -> Motion:
@@ -87,4 +92,5 @@ def _check_limbs(path: Path, points: dict[str, np.ndarray]) -> None:
             length = np.linalg.norm(points[f"{side}_{near}"] - points[f"{side}_{far}"], axis=-1)
             stretch = float(length.std() / max(float(length.mean()), 1e-6))
             if stretch > _STRETCH_LIMIT:
-                raise FormatError(path, f"{side} {near}-{far} changes length by {stretch:.0%} (limit {_STRETCH_LIMIT:.0%})")
+                limit = f"(limit {_STRETCH_LIMIT:.0%})"
+                raise FormatError(path, f"{side} {near}-{far} changes length by {stretch:.0%} {limit}")

@@ -44,7 +44,7 @@ def _is_torso(skeleton: Skeleton, joint: int) -> bool:
     """Hips, collars and shoulders: the joints that have no paired joint, or only a collar, above them."""
     paired = {skeleton.index(name) for pair in skeleton.mirror_pairs for name in pair}
     above = skeleton.parents[joint]
-    return above not in paired or skeleton.parents[above] not in paired and "collar" in skeleton.joints[above]
+    return above not in paired or (skeleton.parents[above] not in paired and "collar" in skeleton.joints[above])
 
 
 def heading(positions: np.ndarray, skeleton: Skeleton) -> np.ndarray:
@@ -65,7 +65,7 @@ def face_front(motion: Motion, frame: int = 0) -> tuple[Motion, Placement]:
 
 
 def leg_length(skeleton: Skeleton) -> float:
-    """Length of the bones from root to ankle, metres (the mean of both legs); height of the root if there are no feet."""
+    """Length of the bones from root to ankle, metres, mean of both legs; without feet, the height of the root."""
     if not skeleton.feet:
         return float(max(skeleton.rest_positions[0, 1] - skeleton.rest_positions[:, 1].min(), 1e-6))
     lengths = []
@@ -79,7 +79,7 @@ def leg_length(skeleton: Skeleton) -> float:
 
 
 def floor_height(positions: np.ndarray, skeleton: Skeleton) -> float:
-    """Height of the floor under a motion: a low percentile of the lowest foot joint, less that joint's own clearance."""
+    """Height of the floor under a motion: a low percentile of the lowest foot joint, less that joint's clearance."""
     feet = [skeleton.index(name) for foot in skeleton.feet for name in foot] or list(range(len(skeleton)))
     lowest = positions[:, feet, 1].min(axis=1)
     return float(np.percentile(lowest, FLOOR_PERCENTILE)) - toe_clearance(skeleton)

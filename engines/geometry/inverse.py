@@ -100,7 +100,8 @@ def _twist_to_hinge(swing: np.ndarray, bone: np.ndarray, beyond: np.ndarray, hin
 
     Args:
         swing: (T, 4) world rotation of the limb, twist free.
-        bone: (T, 3) direction of the limb; `beyond`: (T, 3) of the bone past the hinge.
+        bone: (T, 3) direction of the limb.
+        beyond: (T, 3) direction of the bone past the hinge.
         hinge: (3,) flexion axis in the rest pose.
     """
     bone, beyond = rotations.normalise(bone), rotations.normalise(beyond)

@@ -7,6 +7,7 @@ number of frames, and gradients flow through it.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ def depth_levels(parents: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(j for j, d in enumerate(depth) if d == level) for level in range(max(depth) + 1))
 
 
-def global_rotations(rotations, parents: tuple[int, ...]):
+def global_rotations(rotations: Any, parents: tuple[int, ...]) -> Any:
     """Parent-relative rotation matrices (..., J, 3, 3) -> rotations relative to the world, same shape and type."""
     levels = depth_levels(tuple(parents))
     result = [None] * len(parents)
@@ -33,7 +34,7 @@ def global_rotations(rotations, parents: tuple[int, ...]):
     return _stack(result, rotations)
 
 
-def forward_kinematics(rotations, translation, offsets, parents: tuple[int, ...]):
+def forward_kinematics(rotations: Any, translation: Any, offsets: Any, parents: tuple[int, ...]) -> tuple[Any, Any]:
     """Joint positions from parent-relative rotations (thesis eq. 3.4, for a tree with one rotation a joint).
 
     Args:

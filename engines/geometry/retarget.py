@@ -8,6 +8,7 @@ and makes a pose from them. Both end on `smpl22` or any other skeleton that has 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -51,7 +52,7 @@ def retarget(
     if motion.skeleton == target:
         return motion
     mine = dict(names or roles.recognise(motion.skeleton.joints))
-    theirs = {role: joint for role, joint in roles.recognise(target.joints).items()}
+    theirs = roles.recognise(target.joints)
     pose = _reference(motion, reference)
     points = {role: pose.positions[:1, pose.skeleton.index(joint)] for role, joint in mine.items()}
     posed = from_points(points, fps=1.0, upright=True)
@@ -82,8 +83,8 @@ def _reference(motion: Motion, reference: Literal["rest", "first"] | Motion) -> 
 
 def _leg_length(points: Mapping[str, np.ndarray]) -> float:
     """Mean length of both legs, root to ankle along the bones, in the first frame."""
-    chains = [[f"{role}" for role in ("pelvis", f"{side}_hip", f"{side}_knee", f"{side}_ankle")] for side in ("left", "right")]
-    steps = [np.linalg.norm(points[b][0] - points[a][0]) for chain in chains for a, b in zip(chain, chain[1:], strict=False)]
+    chains = [("pelvis", f"{side}_hip", f"{side}_knee", f"{side}_ankle") for side in ("left", "right")]
+    steps = [np.linalg.norm(points[b][0] - points[a][0]) for chain in chains for a, b in pairwise(chain)]
     return max(float(np.sum(steps)) / 2, 1e-6)
 
 
@@ -193,7 +194,7 @@ def _place(points: Mapping[str, np.ndarray], frames: dict[str, np.ndarray], upri
     """Joint positions (T, 22, 3) relative to the pelvis, with the house skeleton's bone lengths."""
     count = len(points["pelvis"])
     places = np.zeros((count, len(SMPL22), 3))
-    directions = {**_limb_directions(points), **_head_direction(points, frames, upright), **_foot_directions(points, upright)}
+    directions = _limb_directions(points) | _head_direction(points, frames, upright) | _foot_directions(points, upright)
     rigid = {"left_collar": "spine3", "right_collar": "spine3", "neck": "spine3", "left_shoulder": "spine3",
              "right_shoulder": "spine3", "left_hip": "pelvis", "right_hip": "pelvis", "spine1": "pelvis",
              "spine2": "spine1", "spine3": "spine2"}  # fmt: skip

@@ -29,7 +29,7 @@ def quaternion_to_matrix(quaternion: np.ndarray) -> np.ndarray:
     q = np.asarray(quaternion, dtype=np.float64)
     w, x, y, z = np.moveaxis(q, -1, 0)
     scale = 2.0 / np.maximum((q * q).sum(-1), np.finfo(np.float64).tiny)
-    matrix = np.empty(q.shape[:-1] + (3, 3))
+    matrix = np.empty((*q.shape[:-1], 3, 3))
     matrix[..., 0, 0] = 1 - scale * (y * y + z * z)
     matrix[..., 0, 1] = scale * (x * y - z * w)
     matrix[..., 0, 2] = scale * (x * z + y * w)

@@ -1,4 +1,7 @@
-"""Is a motion physically plausible: sliding feet, jitter, feet through the floor. Smaller is better, real clips are not 0."""
+"""Is a motion physically plausible: sliding feet, jitter, feet through the floor.
+
+Smaller is better; real clips are not at 0.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ NEAR_FLOOR = 0.025
 
 
 def foot_skate(motion: Motion) -> float:
-    """Mean horizontal speed of foot joints, m/s, weighted by 2 - 2^(h / H) of their height h: 1 on the floor, 0 from H up.
+    """Mean horizontal speed of foot joints, m/s, weighted by height h: 2 - 2^(h / H), 1 on the floor, 0 from H up.
 
     Source: Zhang, Starke, Komura, Saito 2018, "Mode-adaptive neural networks for quadruped motion control", section 8.
     """
@@ -40,7 +43,7 @@ def ground_penetration(motion: Motion) -> float:
 
 
 def floating(motion: Motion) -> float:
-    """Mean height, metres, of the lowest foot joint above where it would stand: jumps raise it, and so does hovering."""
+    """Mean height, metres, of the lowest foot joint above where it would stand; jumps raise it, so does hovering."""
     feet, standing = _feet(motion)
     if not feet.size:
         return 0.0

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from engines.errors import SkeletonError
+from engines.errors import OutOfRangeError, SkeletonError
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class Skeleton:
     """(left, right) joint names that change places in a mirror."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "offsets", np.asarray(self.offsets, dtype=np.float64))
+        object.__setattr__(self, "offsets", np.array(self.offsets, dtype=np.float64))
         object.__setattr__(self, "joints", tuple(self.joints))
         object.__setattr__(self, "parents", tuple(int(p) for p in self.parents))
         self.offsets.setflags(write=False)
@@ -113,7 +114,7 @@ class Skeleton:
     def chains(self) -> tuple[tuple[int, ...], ...]:
         """Kinematic chains: runs of joints from the root or a branch down to a leaf, the main one first."""
         chains: list[tuple[int, ...]] = []
-        starts = [(0,)]
+        starts: list[tuple[int, ...]] = [(0,)]
         while starts:
             chain = list(starts.pop(0))
             while self.children[chain[-1]]:
@@ -137,7 +138,14 @@ class Skeleton:
 
         Args:
             factors: joint name -> factor > 0; "*" scales every joint not named.
+
+        Raises:
+            OutOfRangeError: a factor that is not a positive number.
+            SkeletonError: no such joint.
         """
+        for joint, factor in factors.items():
+            if not (np.isfinite(factor) and factor > 0):
+                raise OutOfRangeError(f"bone factor of {joint!r}", factor, "a positive number")
         offsets = np.array(self.offsets)
         everywhere = factors.get("*", 1.0)
         offsets *= everywhere
@@ -146,8 +154,6 @@ class Skeleton:
                 offsets[self.index(joint)] = self.offsets[self.index(joint)] * factor
         return self.replaced(offsets=offsets)
 
-    def replaced(self, **changes) -> Skeleton:
+    def replaced(self, **changes: Any) -> Skeleton:
         """A copy with some fields changed."""
-        from dataclasses import replace
-
         return replace(self, **changes)

@@ -14,6 +14,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 import numpy as np
@@ -99,13 +100,13 @@ class TrainingState:
         """Go on from a checkpoint written by `save`.
 
         Raises:
-            CheckpointError: the file is damaged or of another model.
+            CheckpointError: the file is missing, damaged or of another model.
         """
         try:
             stored = torch.load(path, weights_only=True)
             self.model.load_state_dict(stored["model"])
             self.optimiser.load_state_dict(stored["optimiser"])
-        except (RuntimeError, KeyError, EOFError, ValueError) as error:
+        except (OSError, RuntimeError, KeyError, TypeError, EOFError, ValueError, UnpicklingError) as error:
             raise CheckpointError(f"{path}: cannot resume from this checkpoint: {error}") from error
         self.averaged = stored["averaged"]
         self.generator.set_state(stored["generator"])
