@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from engines.skeletons.skeleton import Skeleton
+from engines.skeletons import Skeleton, roles
 
 if TYPE_CHECKING:
     from engines.motion import Motion
@@ -31,29 +32,38 @@ class Placement:
 
 
 def across(positions: np.ndarray, skeleton: Skeleton) -> np.ndarray:
-    """(T, 3) direction from the body's right to its left, summed over the paired joints nearest the root."""
-    pairs = [(skeleton.index(a), skeleton.index(b)) for a, b in skeleton.mirror_pairs]
+    """(T, 3) direction from the body's right to its left, summed over hips, collars and shoulders.
+
+    Of a body in whose names none of these is found, over the left/right pairs that hang from an unpaired joint.
+    """
     total = np.zeros((len(positions), 3))
-    for left, right in pairs:
-        if skeleton.rest_positions[left, 1] > skeleton.rest_positions[0, 1] - 0.3 and _is_torso(skeleton, left):
-            total += positions[:, left] - positions[:, right]
+    for left, right in _torso_pairs(skeleton.joints) or _topmost_pairs(skeleton):
+        total += positions[:, left] - positions[:, right]
     return total
 
 
-def _is_torso(skeleton: Skeleton, joint: int) -> bool:
-    """Hips, collars and shoulders: the joints that have no paired joint, or only a collar, above them."""
-    paired = {skeleton.index(name) for pair in skeleton.mirror_pairs for name in pair}
-    above = skeleton.parents[joint]
-    return above not in paired or (skeleton.parents[above] not in paired and "collar" in skeleton.joints[above])
+@lru_cache(maxsize=64)
+def _torso_pairs(joints: tuple[str, ...]) -> tuple[tuple[int, int], ...]:
+    """Indices of the left and the right of hips, collars and shoulders, as far as their names tell them."""
+    known = roles.recognise(joints)
+    named = [(known.get(f"left_{part}"), known.get(f"right_{part}")) for part in ("hip", "collar", "shoulder")]
+    return tuple((joints.index(left), joints.index(right)) for left, right in named if left and right)
+
+
+def _topmost_pairs(skeleton: Skeleton) -> tuple[tuple[int, int], ...]:
+    """The left/right pairs that hang from a joint in the middle of the body."""
+    pairs = [(skeleton.index(a), skeleton.index(b)) for a, b in skeleton.mirror_pairs]
+    paired = {joint for pair in pairs for joint in pair}
+    return tuple((left, right) for left, right in pairs if skeleton.parents[left] not in paired)
 
 
 def heading(positions: np.ndarray, skeleton: Skeleton) -> np.ndarray:
     """(T,) yaw in radians: 0 faces +Z, positive turns towards +X. Continuous in time (unwrapped).
 
-    Facing is across x up, over hips and shoulders; for a skeleton without left/right pairs it is zero.
+    Facing is across x up, over hips and shoulders; for a skeleton without left and right it is zero.
     """
     left = across(np.asarray(positions, dtype=np.float64), skeleton)
-    return np.unwrap(np.arctan2(-left[:, 2], left[:, 0])) if skeleton.mirror_pairs else np.zeros(len(positions))
+    return np.unwrap(np.arctan2(-left[:, 2], left[:, 0]))
 
 
 def face_front(motion: Motion, frame: int = 0) -> tuple[Motion, Placement]:

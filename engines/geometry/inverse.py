@@ -78,6 +78,8 @@ def _world_rotation(joint: int, above: np.ndarray, positions: np.ndarray, skelet
     spread = np.linalg.svd(rotations.normalise(rest), compute_uv=False)
     if len(bones) > 1 and spread[1] > 0.05:
         return _fit(rest, seen)
+    if not skeleton.hinges:
+        return _swing_about_mean(rest[0], seen[:, 0], above)
     swing = rotations.multiply(rotations.between(rotations.rotate(above, rest[0]), seen[:, 0]), above)
     hinge = skeleton.hinges.get(skeleton.joints[bones[0][0]])
     following = _bones_from(bones[0][0], skeleton)
@@ -85,6 +87,19 @@ def _world_rotation(joint: int, above: np.ndarray, positions: np.ndarray, skelet
         return swing
     beyond = positions[:, following[0][0]] - positions[:, bones[0][0]]
     return _twist_to_hinge(swing, seen[:, 0], beyond, np.asarray(hinge, dtype=np.float64))
+
+
+def _swing_about_mean(rest: np.ndarray, seen: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """World rotation (T, 4) that points a bone along `seen` (T, 3) with no twist about the motion's mean direction.
+
+    For rigs whose rest pose is no standing person (all bones along one axis): the rest direction may lie opposite to
+    where the limb moves, and there the shortest turn flips. The mean direction lies amid the movement.
+    """
+    local = rotations.normalise(rotations.rotate(rotations.invert(above), seen))
+    mean = local.mean(axis=0)
+    if np.linalg.norm(mean) < _SHORT:
+        mean = rest
+    return rotations.multiply(above, rotations.multiply(rotations.between(mean, local), rotations.between(rest, mean)))
 
 
 def _fit(rest: np.ndarray, seen: np.ndarray) -> np.ndarray:
