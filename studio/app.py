@@ -10,11 +10,13 @@ from urllib.parse import quote
 
 import panel as pn
 from tornado import web
+from tornado.websocket import WebSocketClosedError
 
 from engines.errors import OutOfRangeError
-from studio import downloads
-from studio.jobs import JobQueue
+from studio import downloads, tasks
+from studio.jobs import JobQueue, shared_queue
 from studio.session import Session
+from studio.settings import GenerateSettings
 from studio.state import StudioState
 from studio.views import compose, inspector, stage, takes, topbar
 from studio.views.parts import ASSETS, read_asset
@@ -56,7 +58,7 @@ def _lay_out(session: Session) -> pn.Template:
         "topbar": bar,
         "compose_tabs": compose.compose_tabs(session),
         "compose": compose.compose_form(session, field),
-        "browse": compose.action_grid(session, field),
+        "browse": compose.action_grid(session),
         "stage": stage.stage(session),
         "takes": takes.gallery(session),
         "inspector": inspector.inspector(session),
@@ -67,6 +69,22 @@ def _lay_out(session: Session) -> pn.Template:
     page.add_variable("theme_css", read_asset("theme.css"))
     page.add_variable("favicon", quote(read_asset("favicon.svg")))
     return page
+
+
+def _warm_up(_progress: Any, _cancel: Any) -> None:
+    """Load what the first page needs while the browser is still opening."""
+    from viewers import bodies
+    from viewers.web.controls import encode_body
+
+    tasks.load_engine(GenerateSettings().engine)
+    encode_body(bodies.get(bodies.DEFAULT))
+
+
+class _Departed(logging.Filter):
+    """Says nothing of messages to browsers that have gone: closing a tab is no error."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        return not (record.exc_info and isinstance(record.exc_info[1], WebSocketClosedError))
 
 
 class _Download(web.RequestHandler):
@@ -117,7 +135,8 @@ def serve(
     chosen = free_port(port, host)
     if chosen != port:
         log.warning("port %d is taken; using %d", port, chosen)
-    pn.config.reuse_sessions = False
+    logging.getLogger("asyncio").addFilter(_Departed())
+    (queue or shared_queue()).submit("server", "warm up", _warm_up)
     local = host in ("127.0.0.1", "localhost", "::1")
     origins = [f"{name}:{chosen}" for name in ("localhost", "127.0.0.1")] if local else ["*"]
     return pn.serve(

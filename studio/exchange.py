@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 import uuid
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ import engines
 from engines import formats
 from engines.errors import FormatError, MotionloomError, OutOfRangeError
 from studio import downloads, tasks
-from studio.jobs import Job
+from studio.jobs import Cancel, Job, Progress
 from studio.settings import Settings, ending
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ class Exchange:
             export_bytes=0,
         )  # fmt: skip
 
-        def write(progress: Callable[[int, int], None], cancel: Callable[[], bool]) -> Path:
+        def write(progress: Progress, cancel: Cancel) -> Path:
             return tasks.export(take.motion, path, how, progress, cancel)
 
         self._exporting = self.session.submit(name, write, self._exported, lane="file")

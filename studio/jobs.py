@@ -20,7 +20,8 @@ from engines.errors import Cancelled, MotionloomError
 log = logging.getLogger(__name__)
 
 JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
-Progress = Callable[[int, int], None]
+Progress = Callable[[int, int | None], None]
+"""Called with steps done and in all; None where nobody knows."""
 Cancel = Callable[[], bool]
 Work = Callable[[Progress, Cancel], Any]
 
@@ -89,10 +90,10 @@ class Job:
         """Block until it is finished; False when the time ran out first."""
         return self._finished.wait(timeout)
 
-    def _progress(self, done: int, total: int) -> None:
+    def _progress(self, done: int, total: int | None) -> None:
         if self._cancel.is_set():
             raise Cancelled(f"{self.title} was cancelled")
-        self.done, self.total = int(done), int(total)
+        self.done, self.total = int(done), int(total or 0)
         now = time.monotonic()
         if now - self._told >= _NOTIFY_EVERY:
             self._told = now

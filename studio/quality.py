@@ -66,7 +66,7 @@ def measures(metrics: Mapping[str, float], real: Mapping[str, float] | None = No
         if value is None or not math.isfinite(value):
             continue
         level = level_of(value, real.get(key), kind.floor)
-        typical = _number(real[key] * kind.scale) if key in real else ""
+        typical = _number(real[key] * kind.scale) if real.get(key) else ""
         text = f"{_number(value * kind.scale)} {kind.unit}"
         found.append(Measure(key, kind.name, text, typical, level, f"{kind.short} {_number(value * kind.scale)}"))
     return found

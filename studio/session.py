@@ -55,6 +55,7 @@ class Session:
         self.files = Exchange(self, self.folder)
         self._drawing: Job | None = None
         self._draws = 0
+        self._loaded = ("", "")
         self.state.param.watch(self._restage, ["selected", "stage_mode", "compared"])
         self.state.param.watch(self._engine_asked, ["engine", "variant"])
 
@@ -223,7 +224,8 @@ class Session:
     # ---- plumbing -----------------------------------------------------------------------------------------
 
     def _engine_asked(self, *_: Any) -> None:
-        self._load_engine()
+        if (self.state.engine, self.state.variant) != self._loaded:
+            self._load_engine()
 
     def _load_engine(self, then: Callable[[], None] | None = None) -> None:
         state = self.state
@@ -244,9 +246,11 @@ class Session:
 
     def _describe(self, engine: Any) -> None:
         """Copy what an engine says about itself into the state; the controls are built from it."""
+        self._loaded = (self.state.engine, engine.variant)
         known = [action.name for action in engine.actions]
         action = self.state.action if self.state.action in known or not known else known[0]
         self.state.param.update(
+            variant=engine.variant,
             capabilities=frozenset(engine.capabilities),
             actions=tuple(engine.actions),
             variants=list(getattr(engine, "variants", ())),

@@ -66,12 +66,12 @@ class ExportSettings:
 
     formats: tuple[str, ...] = ("bvh",)
     """Any of mp4, gif (rendered), bvh, npz (motionloom's own, lossless), amass (SMPL poses)."""
-    width: int = 1280
-    """Video width in pixels, even."""
-    height: int = 720
-    """Video height in pixels, even."""
+    width: int | None = None
+    """Video width in pixels, even; null: by the height, or usual for the kind of file."""
+    height: int | None = None
+    """Video height in pixels, even; null: by the width, or usual for the kind of file."""
     fps: float | None = None
-    """Frames a second of the file; null keeps the motion's."""
+    """Frames a second of the file; null: the motion's own, for videos what is usual for their kind."""
     camera: str = "follow"
     """Video: follow, orbit, front, back, left or right."""
 
@@ -86,7 +86,7 @@ class ExportSettings:
             raise UnknownLabelError("camera", self.camera, CAMERAS)
         for name in ("width", "height"):
             value = getattr(self, name)
-            if not 64 <= value <= 4096 or value % 2:
+            if value is not None and (not 64 <= value <= 4096 or value % 2):
                 raise OutOfRangeError(name, value, "an even number of pixels, 64 to 4096")
         if self.fps is not None:
             _within("fps", self.fps, 1, 240)
@@ -190,8 +190,8 @@ def write_settings(settings: Settings, path: str | Path) -> Path:
 
 _TYPES: dict[str, tuple[type, ...]] = {
     "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
-    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "width": (int,), "height": (int,),
-    "fps": (int, float, type(None)), "camera": (str,),
+    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "camera": (str,),
+    "width": (int, type(None)), "height": (int, type(None)), "fps": (int, float, type(None)),
 }  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import param
 
 from engines.errors import MotionloomError, UnknownLabelError
-from studio.settings import FORMATS, MAX_COUNT, MAX_FRAMES, MAX_SEED, ExportSettings, GenerateSettings
+from studio.settings import FORMATS, MAX_COUNT, MAX_FRAMES, MAX_SEED, VIDEO_FORMATS, ExportSettings, GenerateSettings
 from studio.takes import Take
 
 
@@ -63,9 +63,7 @@ class StudioState(param.Parameterized):
 
     # ---- export ----
     export_format = param.Selector(default="mp4", objects=list(FORMATS), doc="Kind of file.")
-    export_size = param.Selector(
-        default=(1280, 720), objects=[(854, 480), (1280, 720), (1920, 1080), (720, 720)], doc="Video size, pixels."
-    )
+    export_size = param.Parameter((1280, 720), doc="Video size, pixels.")
     export_camera = param.Selector(
         default="follow", objects=["follow", "orbit", "front", "back", "left", "right"], doc="Video camera."
     )
@@ -98,7 +96,7 @@ class StudioState(param.Parameterized):
 
     def export_settings(self) -> ExportSettings:
         """How an export would be written."""
-        width, height = self.export_size
+        width, height = self.export_size if self.export_format in VIDEO_FORMATS else (None, None)
         return ExportSettings((self.export_format,), width, height, None, self.export_camera)
 
     def problem(self) -> str:

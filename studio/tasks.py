@@ -7,16 +7,14 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import engines
 from engines import Motion
+from studio.jobs import Cancel, Progress
 from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
-
-Progress = Callable[[int, int], None]
-Cancel = Callable[[], bool]
 
 _engines: dict[tuple[str, str], Any] = {}
 _loading = threading.Lock()
@@ -27,7 +25,9 @@ def load_engine(name: str, variant: str = "") -> Any:
     with _loading:
         if (name, variant) not in _engines:
             options = {"variant": variant} if variant else {}
-            _engines[name, variant] = engines.load(name, **options)
+            engine = engines.load(name, **options)
+            # the usual variant is asked for with and without its name
+            _engines[name, variant] = _engines.setdefault((name, engine.variant), engine)
         return _engines[name, variant]
 
 

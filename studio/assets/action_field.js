@@ -6,18 +6,19 @@ export function render({model, el}) {
   })
   const problem = h("div", {id: "problem", role: "alert"})
   const about = h("p", {class: "hint about"})
-  const commit = (text) => { model.query = ""; model.value = text.trim().toLowerCase().split(/\s+/).join(" ") }
-  input.addEventListener("input", () => { model.query = input.value })
+  const search = (text) => window.dispatchEvent(new CustomEvent("motionloom:search", {detail: text}))
+  const commit = (text) => { search(""); model.value = text.trim().toLowerCase().split(/\s+/).join(" ") }
+  input.addEventListener("input", () => search(input.value))
   input.addEventListener("focus", () => input.select())
   input.addEventListener("change", () => commit(input.value))
   input.addEventListener("keydown", (event) => {
     if (event.key === "ArrowDown") { event.preventDefault(); window.dispatchEvent(new CustomEvent("motionloom:browse")) }
-    if (event.key === "Escape") { input.value = model.value; model.query = "" }
+    if (event.key === "Escape") { input.value = model.value; search("") }
   })
   const box = h("div", {class: "box"}, icon("search"), input)
   el.append(h("label", {for: "action"}, "Action"), box, problem, about)
   watch(model, ["value", "description", "error", "nearest"], () => {
-    if (input.getRootNode().activeElement !== input || model.query === "") input.value = model.value
+    input.value = model.value
     input.setAttribute("aria-invalid", String(Boolean(model.error)))
     about.textContent = model.description
     about.hidden = !model.description

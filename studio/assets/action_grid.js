@@ -1,6 +1,7 @@
 // The actions an engine knows, on shelves; the picture of the one under the pointer or focus moves.
 export function render({model, el}) {
   let shelf = "all"
+  let typed = ""
   const shelves = h("div", {class: "shelves", role: "radiogroup", "aria-label": "Group of actions"})
   const grid = h("div", {class: "grid", role: "listbox", "aria-label": "Actions this engine knows"})
   const empty = h("p", {class: "hint none"}, "No action of that name.")
@@ -11,10 +12,14 @@ export function render({model, el}) {
   grid.addEventListener("keydown", (event) => arrows(event, cards, columns))
   shelves.addEventListener("keydown", (event) => arrows(event, () => [...shelves.children]))
   const onBrowse = () => (grid.querySelector('[tabindex="0"]') ?? grid.firstElementChild)?.focus()
+  const onSearch = (event) => { typed = event.detail.trim().toLowerCase(); draw() }
   window.addEventListener("motionloom:browse", onBrowse)
-  model.on("lifecycle:remove", () => window.removeEventListener("motionloom:browse", onBrowse))
+  window.addEventListener("motionloom:search", onSearch)
+  model.on("lifecycle:remove", () => {
+    window.removeEventListener("motionloom:browse", onBrowse)
+    window.removeEventListener("motionloom:search", onSearch)
+  })
   const draw = () => {
-    const typed = model.query.trim().toLowerCase()
     const fits = ({name, group}) => typed ? typed.split(/\s+/).every((word) => name.includes(word)) : shelf === "all" || group === shelf
     const found = model.actions.filter(fits)
     title.textContent = typed ? `${found.length} of ${model.actions.length} actions` : `${model.actions.length} actions this engine knows`
@@ -25,18 +30,18 @@ export function render({model, el}) {
       return h("button", {type: "button", role: "radio", "data-key": group, "aria-checked": String(group === shelf), tabindex: group === shelf ? "0" : "-1", onclick: pick}, group)
     }))
     const current = found.some(({name}) => name === model.value) ? model.value : found[0]?.name
-    redraw(grid, ...found.map((action) => card(model, action, action.name === current)))
+    redraw(grid, ...found.map((action) => card(model, action, action.name === current, () => { typed = ""; draw() })))
     empty.hidden = found.length > 0
   }
-  watch(model, ["actions", "value", "query"], draw)
+  watch(model, ["actions", "value"], draw)
 }
-function card(model, {name, description, picture}, reachable) {
+function card(model, {name, description, picture}, reachable, forget) {
   const view = h("span", {class: "picture"})
   if (picture) view.style.backgroundImage = `url("${picture}")`
   else view.append(icon("person"))
   if (picture) view.classList.add("strip")
   return h("button", {
-    type: "button", role: "option", class: "card", "data-key": name, "aria-selected": String(name === model.value), tabindex: reachable ? "0" : "-1", title: description,
-    onclick: () => { model.value = name; model.query = "" }, ondblclick: () => model.send_msg({do: "generate"}),
+    type: "button", role: "option", class: "action", "data-key": name, "aria-selected": String(name === model.value), tabindex: reachable ? "0" : "-1", title: description,
+    onclick: () => { model.value = name; forget() }, ondblclick: () => model.send_msg({do: "generate"}),
   }, view, h("span", {class: "words"}, name))
 }

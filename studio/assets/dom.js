@@ -32,24 +32,45 @@ function icon(name, solid = false) {
   svg.append(path)
   return svg
 }
-/** An element: attributes by name, `on*` as listeners, booleans as present or absent, children appended. */
+/** An element: attributes by name, `on*` as its handlers, booleans as present or absent, children appended. */
 function h(tag, attributes = {}, ...children) {
   const node = document.createElement(tag)
   for (const [name, value] of Object.entries(attributes)) {
-    if (name.startsWith("on")) node.addEventListener(name.slice(2), value)
+    if (name.startsWith("on")) node[name] = value
     else if (value === true) node.setAttribute(name, "")
     else if (value !== false && value != null) node.setAttribute(name, value)
   }
+  node.handlers = Object.keys(attributes).filter((name) => name.startsWith("on"))
   node.append(...children.filter((child) => child != null && child !== false))
   return node
 }
-/** Replace what `root` holds; the element whose data-key had the focus gets it back, and the scroll stays. */
+/** Make what `root` holds equal to the new children, changing the elements that are there rather than replacing them:
+ * a button stays itself between press and release, a picture is not loaded twice, focus and scroll stay. */
 function redraw(root, ...children) {
-  const focused = root.getRootNode().activeElement?.closest?.("[data-key]")?.dataset.key
-  const top = root.scrollTop
-  root.replaceChildren(...children.filter((child) => child != null && child !== false))
-  root.scrollTop = top
-  if (focused) root.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus({preventScroll: true})
+  const wanted = children.filter((child) => child != null && child !== false).map((child) => typeof child === "string" ? document.createTextNode(child) : child)
+  const keyed = new Map([...root.childNodes].filter((old) => old.dataset?.key).map((old) => [old.dataset.key, old]))
+  wanted.forEach((next, place) => {
+    const here = root.childNodes[place]
+    const old = next.dataset?.key ? keyed.get(next.dataset.key) : here?.dataset?.key ? undefined : here
+    const same = old && old.nodeName === next.nodeName && old.nodeType === next.nodeType
+    if (same) become(old, next)
+    const node = same ? old : next
+    if (root.childNodes[place] !== node) root.insertBefore(node, root.childNodes[place] ?? null)
+  })
+  while (root.childNodes.length > wanted.length) root.lastChild.remove()
+}
+function become(old, next) {
+  if (old.nodeType !== Node.ELEMENT_NODE) {
+    if (old.data !== next.data) old.data = next.data
+    return
+  }
+  for (const {name} of [...old.attributes]) if (!next.hasAttribute(name)) old.removeAttribute(name)
+  for (const {name, value} of next.attributes) if (old.getAttribute(name) !== value) old.setAttribute(name, value)
+  for (const name of old.handlers ?? []) old[name] = null
+  for (const name of next.handlers ?? []) old[name] = next[name]
+  old.handlers = next.handlers
+  if (old.nodeName === "INPUT" && old.getRootNode().activeElement !== old) old.value = next.getAttribute("value") ?? ""
+  redraw(old, ...next.childNodes)
 }
 /** Redraw once now and once after each burst of changes of the named parameters. */
 function watch(model, names, draw) {

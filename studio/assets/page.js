@@ -14,7 +14,9 @@ export function render({model, el}) {
     h("p", {class: "hint"}, "Drag to turn the camera, scroll to come nearer, drag with the right button to move aside. Drop a motion file anywhere to import it."),
     h("p", {class: "hint"}, model.about))
   dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() })
-  el.append(toast, dialog)
+  const veil = h("div", {class: "veil", hidden: true}, h("div", {}, icon("upload"), "Drop to import"))
+  el.append(toast, dialog, veil)
+  acceptFiles(veil)
 
   const deepActive = () => { let node = document.activeElement; while (node?.shadowRoot?.activeElement) node = node.shadowRoot.activeElement; return node }
   const typing = (node) => node && (node.tagName === "TEXTAREA" || node.tagName === "SELECT" || (node.tagName === "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)))
@@ -65,4 +67,16 @@ export function render({model, el}) {
   })
   watch(model, ["title"], () => { document.title = model.title })
   requestAnimationFrame(() => document.getElementById("splash")?.classList.add("gone"))
+}
+/** A file dropped anywhere is handed to the import. */
+function acceptFiles(veil) {
+  const carries = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files")
+  let depth = 0
+  const listeners = {
+    dragenter: () => { depth += 1; veil.hidden = false },
+    dragover: () => {},
+    dragleave: () => { depth -= 1; if (depth <= 0) { depth = 0; veil.hidden = true } },
+    drop: (event) => { depth = 0; veil.hidden = true; window.dispatchEvent(new CustomEvent("motionloom:file", {detail: event.dataTransfer.files[0]})) },
+  }
+  for (const [name, act] of Object.entries(listeners)) window.addEventListener(name, (event) => { if (carries(event)) { event.preventDefault(); act(event) } })
 }

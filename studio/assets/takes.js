@@ -15,7 +15,7 @@ export function render({model, el}) {
   })
   list.addEventListener("focusin", (event) => {
     const id = event.target.classList?.contains("pick") && event.target.dataset.id
-    if (id && id !== model.selected && event.target.matches(":focus-visible")) send("select", id)
+    if (id && event.target.matches(":focus-visible")) model.selected = id
   })
   const draw = () => {
     const fits = {all: () => true, kept: (take) => take.accepted, starred: (take) => take.favourite}
@@ -25,8 +25,8 @@ export function render({model, el}) {
         h("button", {type: "button", role: "radio", "data-key": key, "aria-checked": String(key === shown), "aria-label": key === "starred" ? "Starred" : text, onclick: () => { shown = key; draw() }}, text))),
       h("button", {class: "btn icon quiet", type: "button", "data-key": "clear", "aria-label": "Clear takes that are neither kept nor starred", title: "Clear takes that are neither kept nor starred", disabled: model.takes.length === 0, onclick: () => send("clear", "")}, icon("broom")))
     redraw(list, ...groups(takes).flatMap((group) => [
-      h("div", {class: "group"}, h("span", {class: "subject"}, group[0].subject), h("span", {}, group[0].about)),
-      h("ul", {}, ...group.map((take) => card(model, take, send))),
+      h("div", {class: "group", "data-key": `head ${group[0].group}`}, h("span", {class: "subject"}, group[0].subject), h("span", {}, group[0].about)),
+      h("ul", {"data-key": group[0].group}, ...group.map((take) => card(model, take, send))),
     ]), takes.length === 0 && h("p", {class: "hint none"}, empty(model, shown)))
     const take = model.takes.find(({id}) => id === model.selected)
     const tool = (what, name, text, on, title) => h("button", {
@@ -59,8 +59,8 @@ function card(model, take, send) {
   const ticked = model.compared.includes(take.id)
   const picture = model.thumbnails[take.id]
   const spoken = [take.title, take.subject, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred"].filter(Boolean).join(", ")
-  return h("li", {class: `take ${on ? "on" : ""}`},
-    h("button", {class: "pick", type: "button", "data-key": take.id, "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: () => send("select", take.id)}),
+  return h("li", {class: `take ${on ? "on" : ""}`, "data-key": take.id},
+    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: () => { model.selected = take.id }}),
     h("span", {class: "picture"}, picture ? h("img", {src: picture, alt: "", width: "58", height: "58"}) : icon("person")),
     h("div", {class: "text"},
       h("div", {class: "title"}, dot(model, take), take.title, take.accepted && h("span", {class: "kept", title: "Kept"}, icon("check"))),

@@ -5,8 +5,7 @@ export function render({model, el}) {
   const choose = h("button", {class: "btn", type: "button", onclick: () => input.click()}, icon("upload"), "Choose a file")
   const outcome = h("div", {role: "status"})
   const zone = h("div", {class: "zone"}, icon("upload"), h("p", {}, "Drop a motion file here, or anywhere on the page"), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
-  const veil = h("div", {class: "veil", hidden: true}, h("div", {}, icon("upload"), "Drop to import"))
-  el.append(zone, outcome, veil)
+  el.append(zone, outcome)
   const refuse = (text) => { model.error = text; model.status = "" }
   async function send(file) {
     if (!file) return
@@ -23,15 +22,7 @@ export function render({model, el}) {
     }
   }
   input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
-  const carries = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files")
-  let depth = 0
-  const listeners = {
-    dragenter: (event) => { if (carries(event)) { event.preventDefault(); depth += 1; veil.hidden = false } },
-    dragover: (event) => { if (carries(event)) event.preventDefault() },
-    dragleave: (event) => { if (carries(event) && --depth <= 0) { depth = 0; veil.hidden = true } },
-    drop: (event) => { if (carries(event)) { event.preventDefault(); depth = 0; veil.hidden = true; send(event.dataTransfer.files[0]) } },
-    "motionloom:choose-file": () => input.click(),
-  }
+  const listeners = {"motionloom:file": (event) => send(event.detail), "motionloom:choose-file": () => input.click()}
   for (const [name, act] of Object.entries(listeners)) window.addEventListener(name, act)
   model.on("lifecycle:remove", () => { for (const [name, act] of Object.entries(listeners)) window.removeEventListener(name, act) })
   watch(model, ["error", "status"], () => {

@@ -30,13 +30,13 @@ def settings_from(file: Path | None, **options: Any) -> Settings:
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Callable[[int, int], None]]:
+def progress_bar(title: str) -> Iterator[Callable[[int, int | None], None]]:
     """A progress bar on stderr, shown on a terminal only; yields `progress(done, total)`."""
     from tqdm import tqdm
 
     with tqdm(desc=title, unit="frame", disable=None, leave=False) as bar:
 
-        def progress(done: int, total: int) -> None:
+        def progress(done: int, total: int | None) -> None:
             bar.total = total
             bar.update(done - bar.n)
 

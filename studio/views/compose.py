@@ -58,12 +58,11 @@ def action_field(session: Session) -> ActionField:
     return field
 
 
-def action_grid(session: Session, field: ActionField) -> ActionGrid:
-    """The actions to choose from; typing in the field searches here."""
+def action_grid(session: Session) -> ActionGrid:
+    """The actions to choose from; typing in the field searches here (within the browser)."""
     state = session.state
     grid = ActionGrid(sizing_mode="stretch_both", margin=0)
     tie(grid, state, value="action")
-    tie(grid, field, query="query")
 
     def show() -> dict[str, Any]:
         return {"actions": [_entry(action) for action in state.actions]}
@@ -119,19 +118,14 @@ def _engine(session: Session) -> tuple[pn.widgets.Select, pn.widgets.Select]:
     def show(*_: Any) -> None:
         names = list(state.engines) or [state.engine]
         engine.param.update(options=names, value=state.engine, visible=len(names) > 1)
-        kinds = list(state.variants) or [state.variant]
-        chosen = state.variant or kinds[0]
+        kinds = list(dict.fromkeys([*state.variants, state.variant]))
         several = "variants" in state.capabilities and len(kinds) > 1
-        variant.param.update(options=kinds, value=chosen, visible=several)
-
-    def choose(event: Any) -> None:
-        if event.new and event.new != (state.variant or (state.variants or [""])[0]):
-            state.variant = event.new
+        variant.param.update(options=kinds, value=state.variant, visible=several)
 
     state.param.watch(show, ["engines", "engine", "variants", "variant", "capabilities"])
     show()
     engine.param.watch(lambda event: state.param.update(engine=event.new, variant=""), "value")
-    variant.param.watch(choose, "value")
+    variant.param.watch(lambda event: state.param.update(variant=event.new), "value")
     return engine, variant
 
 

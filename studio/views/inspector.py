@@ -16,7 +16,10 @@ from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments
 
 FORMATS = [("mp4", "MP4"), ("gif", "GIF"), ("bvh", "BVH"), ("npz", "NPZ"), ("amass", "AMASS")]
-SIZES = {"1280 × 720": (1280, 720), "1920 × 1080": (1920, 1080), "854 × 480": (854, 480), "720 × 720": (720, 720)}
+SIZES = {
+    "mp4": {"1280 × 720": (1280, 720), "1920 × 1080": (1920, 1080), "854 × 480": (854, 480), "720 × 720": (720, 720)},
+    "gif": {"480 × 270": (480, 270), "640 × 360": (640, 360), "400 × 400": (400, 400)},
+}
 CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
 _ABOUT = {
     "mp4": "Video for players, slides and the web.",
@@ -118,7 +121,7 @@ def _section(title: str, rows: dict[str, str]) -> str:
 def _export(session: Session) -> pn.Column:
     state = session.state
     kind = Segments(options=FORMATS, label="File format", sizing_mode="stretch_width", margin=0)
-    size = dressed(pn.widgets.Select, name="Size", options=SIZES)
+    size = dressed(pn.widgets.Select, name="Size", options=SIZES["mp4"])
     camera = dressed(pn.widgets.Select, name="Camera", options=CAMERAS)
     about = html()
     tie(kind, state, value="export_format")
@@ -127,7 +130,11 @@ def _export(session: Session) -> pn.Column:
     video = row(size, camera)
 
     def show(*_: Any) -> None:
-        video.visible = state.export_format in ("mp4", "gif")
+        sizes = SIZES.get(state.export_format)
+        video.visible = sizes is not None
+        if sizes and state.export_size not in sizes.values():
+            size.options = sizes
+            state.export_size = next(iter(sizes.values()))
         about.object = f"<p class='hint' style='margin:0'>{_ABOUT[state.export_format]}</p>"
 
     state.param.watch(show, "export_format")

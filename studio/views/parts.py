@@ -79,7 +79,6 @@ class ActionField(Part):
     """The action asked for, with what is wrong with it."""
 
     value = param.String("")
-    query = param.String("", doc="What is being typed and not yet taken.")
     description = param.String("")
     error = param.String("")
     nearest = param.List([])
@@ -92,7 +91,6 @@ class ActionGrid(Part):
 
     actions = param.List([], doc="Dicts: name, description, group, picture (address or empty).")
     value = param.String("")
-    query = param.String("")
     _esm = _script("action_grid")
     _stylesheets = _style("action_grid")
 

@@ -22,7 +22,6 @@ def gallery(session: Session) -> TakeGallery:
     )  # fmt: skip
     follow(part, state, ["takes"], lambda: {"takes": [card(take) for take in state.takes]})
     acts = {
-        "select": session.select,
         "compare": session.compare,
         "delete": session.delete,
         "again": session.again,

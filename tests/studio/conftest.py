@@ -17,7 +17,12 @@ from tests.studio.fakes import FakeEngine
 def engine(monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
     """A fake in place of every engine; thumbnails are a word, since pictures have tests of their own."""
     fake = FakeEngine()
-    monkeypatch.setattr(tasks, "load_engine", lambda name, variant="": fake)
+
+    def load(_name: str, variant: str = "") -> FakeEngine:
+        fake.variant = variant or "plain"
+        return fake
+
+    monkeypatch.setattr(tasks, "load_engine", load)
     monkeypatch.setattr(thumbnails, "thumbnail", lambda motion, colour=None: f"picture {colour}")
     monkeypatch.setattr(physical, "REAL", {"foot_skate": 0.04, "jitter": 40.0, "ground_penetration": 0.001})
     return fake

@@ -32,8 +32,8 @@ generate = st.integers(1, 32).flatmap(
 export = st.builds(
     ExportSettings,
     formats=st.lists(st.sampled_from(FORMATS), min_size=1, max_size=4, unique=True),
-    width=st.integers(32, 2048).map(lambda n: 2 * n),
-    height=st.integers(32, 2048).map(lambda n: 2 * n),
+    width=st.none() | st.integers(32, 2048).map(lambda n: 2 * n),
+    height=st.none() | st.integers(32, 2048).map(lambda n: 2 * n),
     fps=st.none() | st.floats(1, 240),
     camera=st.sampled_from(CAMERAS),
 )
