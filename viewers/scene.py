@@ -23,8 +23,8 @@ PALETTE = ("#56b4e9", "#e69f00", "#2fb98f", "#cc79a7", "#f0e442", "#d55e00", "#7
 """Actor colours, told apart with any common colour blindness (Okabe and Ito's set, the darkest two lightened)."""
 GAP = 0.5
 """Metres between the floor areas of motions laid out beside each other."""
-MARGIN = 0.13
-"""A skin reaches this far beyond its joints, metres; used for framing."""
+MARGIN = 0.085
+"""A skin reaches so far beyond its joints, as a share of the skeleton's height or span; used for framing."""
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,8 @@ class Scene:
         motions = (motions,) if isinstance(motions, Motion) else tuple(motions)
         if layout not in LAYOUTS:
             raise UnknownLabelError("layout", layout, LAYOUTS)
+        if not motions:
+            raise OutOfRangeError("number of actors", 0, "1 or more")
         offsets = np.zeros((1, 3)) if len(motions) == 1 else _layout(motions, layout)
         colours = [None] if len(motions) == 1 else [PALETTE[i % len(PALETTE)] for i in range(len(motions))]
         actors = [
@@ -262,19 +264,21 @@ def hex_to_rgb(colour: str) -> tuple[float, float, float]:
         raise OutOfRangeError("colour", colour, "six hexadecimal digits, as in '#56b4e9'") from None
 
 
+def _margin(motion: Motion) -> float:
+    """How far a skin reaches beyond its joints, metres, by the size of the skeleton."""
+    return MARGIN * float(np.ptp(motion.skeleton.rest_positions, axis=0).max()) + 0.01
+
+
 def _reach(actor: Actor, times: np.ndarray) -> np.ndarray:
-    """(N, P, 3) corners around the joints of an actor: joints pushed out by the thickness of a body."""
+    """(N, P, 3) points around the joints of an actor that framing must keep in view."""
     frames = np.clip(np.round(times * actor.motion.fps).astype(int), 0, len(actor.motion) - 1)
-    positions = actor.motion.positions[frames] + actor.offset
-    low, high = positions.min(1) - MARGIN, positions.max(1) + MARGIN
-    low[:, 1] = np.minimum(low[:, 1] + MARGIN - 0.05, 0.0)
-    high[:, 1] += 0.08  # the crown lies above the head joint
-    above, below = positions + np.array([0, MARGIN, 0]), positions - np.array([0, 0.05, 0])
-    inside = np.concatenate([positions, above, below], axis=1)
+    positions, margin = actor.motion.positions[frames] + actor.offset, _margin(actor.motion)
+    above, below = positions + np.array([0, margin, 0]), positions - np.array([0, 0.4 * margin, 0])
     middle = positions.mean(1)
-    feet = np.stack([middle[:, 0], low[:, 1], middle[:, 2]], axis=-1)
-    crown = np.stack([middle[:, 0], high[:, 1], middle[:, 2]], axis=-1)
-    return np.concatenate([inside, feet[:, None], crown[:, None]], axis=1)
+    floor = np.minimum(positions[..., 1].min(1) - 0.4 * margin, 0.0)
+    crown = positions[..., 1].max(1) + 1.5 * margin  # the top of the head lies above its joint
+    ends = [np.stack([middle[:, 0], height, middle[:, 2]], axis=-1)[:, None] for height in (floor, crown)]
+    return np.concatenate([positions, above, below, *ends], axis=1)
 
 
 def _layout(motions: Sequence[Motion], layout: Layout) -> np.ndarray:
@@ -301,4 +305,4 @@ def _layout(motions: Sequence[Motion], layout: Layout) -> np.ndarray:
 def _box(motion: Motion, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Corners of the space a motion sweeps, relative to its start."""
     points = motion.positions.reshape(-1, 3) - start
-    return points.min(0) - MARGIN, points.max(0) + MARGIN
+    return points.min(0) - _margin(motion), points.max(0) + _margin(motion)

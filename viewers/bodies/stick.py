@@ -17,6 +17,8 @@ THICKNESS, BALL_SIZE = 0.11, 0.09
 """Half width of a bone and radius of a ball, as a share of the bone's length ..."""
 LIMITS = (0.004, 0.026)
 """... kept within these, metres for a body 1.7 m tall."""
+LONE_BALL = 0.06
+"""Radius of a skeleton that is one joint."""
 
 
 def stick(skeleton: Skeleton) -> Body:
@@ -60,7 +62,8 @@ def _parts(skeleton: Skeleton) -> Iterator[tuple[np.ndarray, np.ndarray, int, tu
         if name in skeleton.end_offsets:
             ends.append((rest[joint] + skeleton.end_offsets[name], sides[joint]))
         reach = max((float(np.linalg.norm(end - rest[joint])) for end, _ in ends), default=2 * high)
-        ball, ball_faces = _ball(rest[joint], float(np.clip(reach * BALL_SIZE, low, 0.8 * high)))
+        radius = float(np.clip(reach * BALL_SIZE, low, 0.8 * high)) if len(skeleton) > 1 else LONE_BALL
+        ball, ball_faces = _ball(rest[joint], radius)
         yield ball, ball_faces, joint, BALL, 0.0
         for end, side in ends:
             length = float(np.linalg.norm(end - rest[joint]))

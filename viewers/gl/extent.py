@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
+from scipy.spatial import KDTree
 
 from engines.skeletons.skeleton import Skeleton
+from viewers.bodies.body import Body
 
-REACH = 0.135
-"""No vertex of a skin lies farther from the points of `outline` than this share of its skeleton's height or span."""
+SLACK = 1.15
+"""In a large pose skin may be farther from the bones than at rest, by this factor at most."""
 BANDS = 12
 """Strips that the part of the picture with figures in it is cut into, each as narrow as it can be."""
 
@@ -26,10 +30,12 @@ def outline(skeleton: Skeleton, positions: np.ndarray, turns: np.ndarray) -> np.
     return np.concatenate(points, axis=1)
 
 
-def reach(skeleton: Skeleton) -> float:
-    """Metres a skin may reach beyond its skeleton's outline."""
-    span = float(np.ptp(skeleton.rest_positions, axis=0).max())
-    return max(REACH * span, 0.01)
+@lru_cache(maxsize=64)
+def reach(body: Body) -> float:
+    """Metres the skin may reach beyond the outline of its skeleton, in any pose."""
+    rest = body.skeleton.rest_positions[None]
+    points = outline(body.skeleton, rest, np.tile(np.eye(3), (1, len(body.skeleton), 1, 1)))[0]
+    return SLACK * float(KDTree(points).query(body.vertices)[0].max()) + 0.002
 
 
 def project(

@@ -175,7 +175,7 @@ def _figures(graphics: GraphicsContext, actor: Actor, times: np.ndarray) -> list
         ghosts = np.zeros((len(times), 0, 3))
         if actor.ghosts:
             ghosts = _add_ghosts(graphics, figure, actor, (body, motion), times)
-        made.append(_Seen(figure, played.outline, ghosts, extent.reach(body.skeleton)))
+        made.append(_Seen(figure, played.outline, ghosts, extent.reach(body)))
     return made
 
 

@@ -34,7 +34,7 @@ void main() {
     across = (gl_VertexID & 1) == 0 ? -1.3 : 1.3;
     vec2 off = (end ? last : first) - focus;
     float left = max(1.0 - dot(off, off) * reach, 0.0);
-    strength = 0.42 * left * left;
+    strength = 0.42 * min(1.0, size.y / 560.0) * left * left;  // thinner in small pictures
     vec4 place = end ? b : a;
     place.xy += side * sign(across) * place.w;
     gl_Position = hidden ? vec4(2.0, 2.0, 2.0, 1.0) : place;
