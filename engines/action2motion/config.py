@@ -54,13 +54,13 @@ class Action2MotionConfig:
     detached_feed: bool = False
     """Take a pose the model feeds itself as given: no gradient through it, so all rows train in one fused call."""
     label_balance: float = 1.0
-    """Clips are drawn with probability proportional to count ** label_balance of their label: 1 as they come, 0 even."""
+    """A label with n clips is drawn with a chance proportional to n ** label_balance: 1 as they come, 0 even."""
     kl_weight: tuple[float, float] = (0.001, 0.01)
     """lambda_kl at the first and from the last step of its linear rise."""
     kl_rise: float = 1.0
     """Share of the training over which it rises."""
     alignment_weight: float = 10.0
-    """lambda_align on the root velocity, metres and radians a frame (GLMI; the other decoders learn it the same way)."""
+    """lambda_align on the root velocity, metres and radians a frame; all decoders learn it the same way."""
     rotation_weight: float = 0.0
     """On rotation matrices: fixes the twists that joint positions leave free."""
     velocity_weight: float = 0.0
@@ -77,7 +77,7 @@ class Action2MotionConfig:
 
     @property
     def pose_size(self) -> int:
-        """Features of one pose as the networks are fed it: root height and a 3-vector a joint (plain: without height)."""
+        """D, a pose as the networks are fed it: root height and a 3-vector a joint (plain: without height)."""
         return 3 * self.joints + (self.decoder != "plain")
 
     @property
@@ -120,13 +120,13 @@ SMALL = Action2MotionConfig(
     final_learning_rate=5e-5,
     detached_feed=True,
     label_balance=0.5,
-    kl_weight=(0.001, 0.02),
+    kl_weight=(0.02, 0.2),
     kl_rise=0.5,
     rotation_weight=1.0,
     velocity_weight=1.0,
     contact_weight=2.0,
     normalise=True,
-    steps=5_000,
+    steps=7_000,
 )
 """What ships: half the frame rate and a wider generator, more terms in the loss."""
 

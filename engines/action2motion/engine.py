@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from torch import Tensor
 from engines import actions as vocabulary
 from engines.action2motion.config import DECODERS, Action2MotionConfig
 from engines.action2motion.model import Action2Motion
+from engines.action2motion.networks import rollout
 from engines.action2motion.output import Upsampler, to_motions
 from engines.action2motion.progress import progress_of
 from engines.action2motion.representation import encode
@@ -30,7 +32,9 @@ MAX_FRAMES = 12_000
 """Ten minutes."""
 MAX_COUNT = 1024
 _CHUNK = 64
-"""Motions generated together: bounds memory, and lets progress and cancel be heard."""
+"""At most so many motions are generated together: lets progress and cancel be heard."""
+_CHUNK_FRAMES = 64 * 600
+"""And of long ones so many that they have no more frames than this: bounds memory."""
 
 Progress = Callable[[int, int], None]
 
@@ -48,7 +52,7 @@ class Latents:
 
 
 class Action2MotionEngine:
-    """Generates, interpolates, changes action, goes on from a given start. Load it with `engines.load("action2motion")`."""
+    """Generates, interpolates, changes action, goes on from a start; `engines.load("action2motion")` makes one."""
 
     name = "action2motion"
     description = "An action's name becomes a motion (temporal VAE with a learned prior, Guo et al. 2020)."
@@ -101,17 +105,16 @@ class Action2MotionEngine:
         label = self._label(action)
         _check("count", count, 1, MAX_COUNT)
         plan = self._plan([(label, frames)])
+        parameters: dict[str, Any] = {"variant": self.variant, "frames": plan.frames}
+        if bone_scale:
+            parameters["bone_scale"] = dict(bone_scale)
         made: list[Motion] = []
-        for start in range(0, count, _CHUNK):
+        for indices in _chunks(count, plan.frames):
             if cancel and cancel():
                 raise Cancelled(f"cancelled after {len(made)} of {count} motions; none was kept")
-            indices = range(start, min(count, start + _CHUNK))
             hidden, _ = self._sample(plan, self._noise(seed, indices, plan.steps))
             motions = self._motions(hidden, plan)
-            parameters = {"variant": self.variant, "frames": frames}
-            if bone_scale:
-                parameters["bone_scale"] = dict(bone_scale)
-            made += self._finished(motions, plan, seed, indices, parameters, bone_scale)
+            made += self._finished(motions, plan, seed, indices, parameters, bone_scale=bone_scale)
             if progress:
                 progress(len(made), count)
         return made
@@ -163,7 +166,7 @@ class Action2MotionEngine:
         parameters = {"variant": self.variant, "segments": [[name, int(frames)] for name, frames in segments]}
         return self._finished(self._motions(hidden, plan), plan, seed, range(1), parameters)[0]
 
-    def outpaint(  # noqa: PLR0913 - the request of a person, each part optional
+    def outpaint(  # noqa: PLR0913, PLR0917 - the request of a person, each part optional
         self, motion: Motion, action: str, keep: int = 20, frames: int = 60, count: int = 4, seed: int = 0
     ) -> list[Motion]:
         """Keep the first frames of a motion and go on in different ways (thesis, motion outpainting).
@@ -189,19 +192,19 @@ class Action2MotionEngine:
         shown = house[offset:keep:stride]
         features = encode(shown)
         given = torch.from_numpy(np.concatenate([features.height, features.lie.reshape(len(shown), -1)], axis=-1))
-        given = given[:, None].expand(-1, count, -1)
         plan = plan.until(len(shown) + -(-(frames - keep) // stride) + 1)
-        noise = self._noise(seed, range(count), plan.steps)
-        with torch.inference_mode():
-            hidden, _ = self.model.sample(self._conditions(plan, count), noise, given)
-            continued = self._motions(hidden, plan, given)
+        begin = (len(shown) - 1) * stride
         results = []
-        for whole in continued:
-            tail = whole.replaced(labels=())[(len(shown) - 1) * stride :][: frames - keep + 1]
-            results.append(_join(house[:keep], tail))
+        for indices in _chunks(count, frames):
+            start = given[:, None].expand(-1, len(indices), -1)
+            noise = self._noise(seed, indices, plan.steps)
+            with torch.inference_mode():
+                hidden, _ = self.model.sample(self._conditions(plan, len(indices)), noise, start)
+            for whole in self._motions(hidden, plan, start):
+                results.append(_join(house[:keep], whole[begin : begin + frames - keep + 1]))
         labels = (Segment(0, keep, "action", house.label_at(0) or "given"), Segment(keep, frames, "action", plan.name))
         parameters = {"variant": self.variant, "keep": keep, "frames": frames, "of": motion.provenance.source}
-        return self._finished([m.replaced(labels=labels) for m in results], plan, seed, range(count), parameters, labels=labels)
+        return self._finished(results, plan, seed, range(count), parameters, labels=labels)
 
     # ---- how it is made ---------------------------------------------------------------------------------------
 
@@ -243,8 +246,6 @@ class Action2MotionEngine:
         hidden, pose, state = model.generator.unroll(torch.cat([known[:1], first], dim=-1), start, model.feed)
         if plan.steps == 1:
             return hidden
-        from engines.action2motion.networks import rollout
-
         prior_state = model.prior(torch.cat([start[None], known[:1]], dim=-1))[3]
         noise = self._noise(seed, [0] * first.shape[1], plan.steps)[1:]
         rest = rollout(model.prior, model.generator, model.feed, known[1:], noise, pose[0], prior_state, state)
@@ -252,9 +253,14 @@ class Action2MotionEngine:
 
     def _motions(self, hidden: Tensor, plan: _Plan, given: Tensor | None = None) -> list[Motion]:
         """Motions at the house rate from the generator's hidden vectors (T, B, H)."""
-        with torch.inference_mode():
-            poses = self.model.decode(hidden, given=given)
-        return to_motions(poses, Upsampler(plan.steps, self.config.fps, HOUSE_FPS, plan.frames))
+        upsampler = Upsampler(plan.steps, self.config.fps, HOUSE_FPS, plan.frames)
+        made: list[Motion] = []
+        for rows in _chunks(hidden.shape[1], plan.frames):
+            part = slice(rows.start, rows.stop)
+            with torch.inference_mode():
+                poses = self.model.decode(hidden[:, part], given=None if given is None else given[:, part])
+            made += to_motions(poses, upsampler)
+        return made
 
     def _finished(  # noqa: PLR0913 - what goes into the provenance
         self,
@@ -263,6 +269,7 @@ class Action2MotionEngine:
         seed: int,
         indices: Sequence[int],
         parameters: Mapping[str, Any],
+        *,
         bone_scale: Mapping[str, float] | None = None,
         labels: tuple[Segment, ...] | None = None,
     ) -> list[Motion]:
@@ -305,8 +312,6 @@ class _Plan:
 
     def until(self, steps: int) -> _Plan:
         """The plan cut, or held at its end, to so many of the model's frames."""
-        import copy
-
         other = copy.copy(self)
         index = torch.arange(steps).clamp(max=self.steps - 1)
         other.labels, other.progress = self.labels[index], self.progress[index]
@@ -343,13 +348,20 @@ def load(variant: str = "glmi-m", checkpoint: str | Path | None = None) -> Actio
     return Action2MotionEngine(model, hashlib.sha256(path.read_bytes()).hexdigest())
 
 
+def _chunks(count: int, frames: int) -> Iterator[range]:
+    """Indices of `count` motions of so many frames, as many at a time as are made together."""
+    size = max(1, min(_CHUNK, _CHUNK_FRAMES // frames))
+    for start in range(0, count, size):
+        yield range(start, min(count, start + size))
+
+
 def _check(name: str, value: int, low: int, high: int) -> None:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
         raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")
 
 
 def _spherical(a: Tensor, b: Tensor, share: Tensor) -> Tensor:
-    """Between latents a and b (T, 1, Z) at shares (1, N, 1): along the arc, which keeps the norm a Gaussian draw has."""
+    """Between latents a and b (T, 1, Z) at shares (1, N, 1): along the arc, which keeps a Gaussian draw's norm."""
     cosine = torch.nn.functional.cosine_similarity(a, b, dim=-1)[..., None].clamp(-0.9995, 0.9995)
     angle = torch.arccos(cosine)
     return (torch.sin((1 - share) * angle) * a + torch.sin(share * angle) * b) / torch.sin(angle)

@@ -197,7 +197,14 @@ class Action2Motion(nn.Module):
         prior_state = self.prior(torch.cat([before, seen], dim=-1))[3]
         hidden, generator_state = self.generator(torch.cat([before, seen, latent], dim=-1))
         drawn = rollout(
-            self.prior, self.generator, self.feed, conditions[kept:], noise[kept:], real[-1], prior_state, generator_state
+            self.prior,
+            self.generator,
+            self.feed,
+            conditions[kept:],
+            noise[kept:],
+            real[-1],
+            prior_state,
+            generator_state,
         )
         return torch.cat([hidden, drawn.hidden]), torch.cat([latent, drawn.z])
 

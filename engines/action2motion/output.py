@@ -56,7 +56,10 @@ def to_motions(poses: Poses, upsample: Upsampler) -> list[Motion]:
     yaw, ground = travel(velocity)
     yaw, ground = upsample(yaw), upsample(ground)
     if poses.matrices is None:
-        return [_from_positions(upsample(poses.positions.numpy()[:, i]), yaw[:, i], ground[:, i], upsample.fps) for i in range(count)]
+        return [
+            _from_positions(upsample(poses.positions.numpy()[:, i]), yaw[:, i], ground[:, i], upsample.fps)
+            for i in range(count)
+        ]
     height = upsample(vectors[..., :1])
     turns = rotations.rotvec_to_quaternion(vectors[..., 1:].reshape(*vectors.shape[:2], -1, 3))
     turns = rotations.normalise(upsample(rotations.continuous(turns).astype(np.float32)))

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 _BAND = (0.3, 0.7)
 """An action that goes on stays within this part of itself until its last stretch."""
 _SLOWEST = 1.5
 """One performance is drawn out to this many times its usual length before it is done again."""
+
+_SHORTEST = 4
+"""Frames below which a performance has no beginning, middle and end."""
 
 
 def progress_of(frames: int, nominal: int, repeats: bool) -> np.ndarray:
@@ -18,15 +23,15 @@ def progress_of(frames: int, nominal: int, repeats: bool) -> np.ndarray:
     goes on (walking), a beginning, a middle in which c_t sways, and an end; one that is done once (a throw) is done
     again, as often as it fits.
     """
-    nominal = max(2, nominal)
-    if frames <= max(2, int(_SLOWEST * nominal)):
+    nominal = max(_SHORTEST, nominal)
+    if frames <= int(_SLOWEST * nominal):
         # a request shorter than usual shows the first part of the action at its own pace rather than a hurried whole
         return np.arange(frames) / max(1, max(frames, int(0.7 * nominal)) - 1)
     if repeats:
         return _swaying(frames, nominal)
     times = max(1, round(frames / nominal))
     bounds = np.linspace(0, frames, times + 1).round().astype(int)
-    return np.concatenate([np.arange(b - a) / max(1, b - a - 1) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+    return np.concatenate([np.arange(b - a) / max(1, b - a - 1) for a, b in pairwise(bounds)])
 
 
 def _swaying(frames: int, nominal: int) -> np.ndarray:

@@ -1,9 +1,9 @@
 """How Action2Motion sees a Motion: local poses and root velocities, free of where the body stands and faces.
 
-A pose is taken relative to the root and to the body's heading (the yaw of its root), so that the same step to the north and to the
-east are one and the same to the networks; the way it travels is three numbers a frame, `velocity`: sideways, forward
-and turning. The thesis feeds poses relative to the first root and predicts relative root translations (section 3.2.1);
-leaving the heading out as well is ours.
+A pose is taken relative to the root and to the body's heading (the yaw of its root), so that a step to the north and
+the same step to the east are one to the networks; the way it travels is three numbers a frame, `velocity`: sideways,
+forward and turning. The thesis feeds poses relative to the first root and predicts relative root translations (section
+3.2.1); leaving the heading out as well is ours.
 """
 
 from __future__ import annotations
@@ -71,9 +71,13 @@ def encode(motion: Motion) -> Features:
 
 
 def local_positions(height: Tensor, lie: Tensor) -> tuple[Tensor, Tensor]:
-    """Joints (..., J, 3) in the heading frame and local rotations (..., J, 3, 3) from heights (..., 1) and so(3) (..., J, 3).
+    """Joints (..., J, 3) in the heading frame and local rotations (..., J, 3, 3).
 
     One forward kinematics over all frames of all sequences (thesis eq. 3.4, the map Gamma).
+
+    Args:
+        height: (..., 1) of the root, metres.
+        lie: (..., J, 3) so(3) parameters, radians.
     """
     matrices = rotvec_to_rotmat(lie)
     root = torch.nn.functional.pad(height, (1, 1))
@@ -85,7 +89,9 @@ def decode(height: np.ndarray, matrices: np.ndarray, velocity: np.ndarray) -> tu
     """Quaternions (T, J, 4) and root path (T, 3) of the world from what the networks predict.
 
     Args:
-        height: (T, 1); matrices: (T, J, 3, 3) local rotations, the root's without yaw; velocity: (T, 3).
+        height: (T, 1) of the root, metres.
+        matrices: (T, J, 3, 3) local rotations, the root's without yaw.
+        velocity: (T, 3) as in `Features`.
     """
     yaw, ground = travel(velocity)
     turns = rotations.matrix_to_quaternion(matrices)
@@ -108,7 +114,8 @@ def world_step(positions: Tensor, velocity: Tensor) -> Tensor:
     """How far joints move over the ground from frame to frame, in the frame of the earlier heading.
 
     Args:
-        positions: (T, B, J, 3) in the heading frame; velocity: (T, B, 3).
+        positions: (T, B, J, 3) in the heading frame.
+        velocity: (T, B, 3) as in `Features`.
 
     Returns:
         (T - 1, B, J, 3) metres.

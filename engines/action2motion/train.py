@@ -21,7 +21,9 @@ from engines.training.loop import TrainingPlan, TrainingState, train
 FEET = [SMPL22.index(name) for foot in SMPL22.feet for name in foot]
 
 
-def start(config: Action2MotionConfig, clips: Sequence[datasets.Clip], seed: int = 0) -> tuple[TrainingState, data.Sequences]:
+def start(
+    config: Action2MotionConfig, clips: Sequence[datasets.Clip], seed: int = 0
+) -> tuple[TrainingState, data.Sequences]:
     """A new training: vocabulary and statistics from the clips, weights from the seed."""
     names, lengths = data.vocabulary_of(clips, config.fps)
     config = config.replaced(actions=names, nominal_frames=lengths)
@@ -40,7 +42,7 @@ def start(config: Action2MotionConfig, clips: Sequence[datasets.Clip], seed: int
     return TrainingState(model, plan), sequences
 
 
-def fit(
+def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two optional
     config: Action2MotionConfig,
     folder: Path,
     clips: Sequence[datasets.Clip] | None = None,
@@ -54,6 +56,9 @@ def fit(
         config: preset with the decoder chosen.
         folder: gets `checkpoint.pt` (exact resume), `history.json` and the config.
         clips: the training split of the prepared data by default.
+        seed: of the first weights and of everything drawn.
+        progress: called each time a line is logged.
+        cancel: asked each step; the checkpoint is written before `Cancelled` is raised.
     """
     folder.mkdir(parents=True, exist_ok=True)
     state, sequences = start(config, datasets.load("train") if clips is None else clips, seed)
