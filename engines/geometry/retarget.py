@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from engines.errors import SkeletonError
-from engines.geometry import canonical, inverse, rotations
+from engines.geometry import canonical, inverse, kinematics, rotations
 from engines.skeletons import SMPL22, Skeleton, roles
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def retarget(
     target: Skeleton = SMPL22,
     *,
     reference: Literal["rest", "first"] | Motion = "rest",
+    target_reference: Motion | None = None,
     names: Mapping[str, str] | None = None,
 ) -> Motion:
     """Carry a motion to another skeleton, joints matched by name.
@@ -41,6 +42,7 @@ def retarget(
         target: `smpl22`, or any skeleton with the same joint names or roles.
         reference: an upright pose of the source with feet flat: its rest pose, its first frame (as CMU's T-poses),
             or one frame of another motion of that skeleton. Any position of the arms and legs will do.
+        target_reference: one frame of the target in such a pose, where its own rest pose does not stand upright.
         names: role (a joint name of `smpl22`) -> joint of the source, where recognition by name is not enough.
 
     Returns:
@@ -53,6 +55,7 @@ def retarget(
         return motion
     mine = dict(names or roles.recognise(motion.skeleton.joints))
     theirs = roles.recognise(target.joints)
+    frames = _target_frames(target, theirs, target_reference)
     pose = _reference(motion, reference)
     points = {role: pose.positions[:1, pose.skeleton.index(joint)] for role, joint in mine.items()}
     posed = from_points(points, fps=1.0, upright=True)
@@ -65,7 +68,32 @@ def retarget(
     world = _fill(carried, len(motion))
     ratio = canonical.leg_length(target) / _leg_length(points)
     root = motion.positions[:, motion.skeleton.index(mine["pelvis"])] * ratio
-    return _from_world(motion, target, theirs, world, root)
+    by_joint = {theirs[role]: world[role] @ turn for role, turn in frames.items()}
+    return _from_world(motion, target, by_joint, root)
+
+
+def _target_frames(target: Skeleton, theirs: Mapping[str, str], reference: Motion | None) -> dict[str, np.ndarray]:
+    """By role, the rotation (3, 3) from a joint of `smpl22` to that of the target in the same pose, both in T-pose axes.
+
+    A target whose legs are splayed at rest must turn them less far to stand as the source stands.
+    """
+    same = {role: np.eye(3) for role in theirs}
+    if target == SMPL22 or (reference is None and any(role not in theirs for role in _NEEDED)):
+        return same
+    if reference is None:
+        still = np.tile(rotations.IDENTITY, (1, len(target), 1))
+        places, turned = kinematics.forward_kinematics(
+            rotations.quaternion_to_matrix(still), np.zeros((1, 3)), target.offsets, target.parents
+        )
+    elif reference.skeleton.joints == target.joints:
+        places, turned = reference.positions[:1], reference.global_rotations[:1]
+    else:
+        raise SkeletonError("target_reference has other joints than the target; give a frame of the target skeleton.")
+    posed = from_points({role: places[:, target.index(joint)] for role, joint in theirs.items()}, 1.0, upright=True)
+    return {
+        role: posed.global_rotations[0, SMPL22.index(role)].T @ turned[0, target.index(joint)]
+        for role, joint in theirs.items()
+    }
 
 
 def _reference(motion: Motion, reference: Literal["rest", "first"] | Motion) -> Motion:
@@ -107,11 +135,8 @@ def _fill(carried: dict[str, np.ndarray], frames: int) -> dict[str, np.ndarray]:
     return world
 
 
-def _from_world(
-    motion: Motion, target: Skeleton, theirs: Mapping[str, str], world: Mapping[str, np.ndarray], root: np.ndarray
-) -> Motion:
-    """Parent-relative rotations on the target from world rotations by role; joints without a role do not turn."""
-    by_joint = {joint: world[role] for role, joint in theirs.items() if role in world}
+def _from_world(motion: Motion, target: Skeleton, by_joint: Mapping[str, np.ndarray], root: np.ndarray) -> Motion:
+    """Parent-relative rotations on the target from world rotations by joint; the other joints do not turn."""
     turned: list[np.ndarray] = []
     local = np.empty((len(motion), len(target), 3, 3))
     for joint, name in enumerate(target.joints):
@@ -164,7 +189,8 @@ def _check_upright(points: Mapping[str, np.ndarray]) -> None:
     down = rotations.normalise(points["left_ankle"] + points["right_ankle"] - 2 * points["pelvis"])[0, 1]
     if up < 0.8 or down > -0.8:
         raise SkeletonError(
-            "the reference pose does not stand upright; give retarget a frame that does, e.g. reference='first'."
+            "the reference pose does not stand upright; give retarget a frame that does, e.g. reference='first' "
+            "(or target_reference, if it is the target's rest pose that does not)."
         )
 
 
