@@ -12,8 +12,9 @@ This page is the one description of the layout; `src/payload.js` reads it. Every
     header["arrays"]  name -> [type, shape, offset counted from the end of the header]
 
 A *body* (sent once): `vertices` uint16 (V, 3), where position = low + (high - low) * value / 65535 with the header's
-`low` and `high`; `normals` int16 (V, 3), unit vectors times 32767; `faces` uint16 or uint32 (F, 3), and `coarse`, if
-the body has it, fewer faces over the same vertices, for ghosts and crowds; `skin_indices` uint8 (V, 4);
+`low` and `high`; `normals` int16 (V, 3), unit vectors times 32767; `faces` uint16 or uint32 (F, 3), and
+`coarse0`, `coarse1`, ..., where the body has them, fewer and fewer faces over the same vertices, for ghosts, shadows
+and crowds; `skin_indices` uint8 (V, 4);
 `skin_weights` uint8 (V, 4) that add up to 255 per vertex; `colours` uint8 (V, 3) sRGB; `tint` uint8 (V,), how far (of
 255) the actor's own colour replaces that colour; `header["skeleton"]` the rest pose it is bound to.
 
@@ -122,8 +123,7 @@ def encode_body(body: Body | None) -> bytes:
         "colours": body.colours,
         "tint": np.rint(body.tint * BYTE_STEPS).astype(np.uint8),
     }
-    if body.coarse:
-        arrays["coarse"] = body.coarse[0].astype(number)
+    arrays |= {f"coarse{i}": faces.astype(number) for i, faces in enumerate(body.coarse)}
     header = {
         "kind": "body",
         "low": low.tolist(),

@@ -16,7 +16,7 @@ FLAGS = [
     "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
     "--disable-background-networking", "--disable-component-update", "--no-first-run", "--disable-sync",
 ]  # fmt: skip
-SIZE = {"width": 900, "height": 640}
+SIZE = {"width": 800, "height": 540}
 
 
 @pytest.fixture(scope="session")
@@ -63,10 +63,13 @@ class PlayerPage:
         )
 
     def still(self) -> None:
-        """Waits until nothing moves any more."""
+        """Waits until nothing moves any more and the last picture is a fine one."""
         self.page.wait_for_function(
-            "() => { const s = document.querySelector('.motion-player').player.stage, now = s.pictures; "
-            "const was = window.lastPictures; window.lastPictures = now; return was === now && !s.request; }",
+            """() => {
+                const { stage } = document.querySelector('.motion-player').player, before = window.lastPictures;
+                window.lastPictures = stage.pictures;
+                return before === stage.pictures && !stage.request && !stage.rest;
+            }""",
             polling=150,
         )
 

@@ -93,6 +93,7 @@ def test_body_survives_to_a_tenth_of_a_millimetre(name: str):
     assert (arrays["skin_weights"].sum(axis=1, dtype=np.int64) == 255).all()
     assert np.abs(arrays["skin_weights"] / 255 - body.skin_weights).max() < 0.01
     assert np.array_equal(arrays["faces"], body.faces)
+    assert all(np.array_equal(arrays[f"coarse{i}"], faces) for i, faces in enumerate(body.coarse))
     assert np.array_equal(arrays["skin_indices"], body.skin_indices)
     assert np.allclose(header["skeleton"]["offsets"], body.skeleton.offsets, atol=1e-6)
 

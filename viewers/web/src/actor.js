@@ -11,7 +11,7 @@ const XRAY = 0.32; // opacity of a body with its bones inside
 const BEHIND = 0.42; // opacity of those not picked where figures stand in one place
 
 export class Actor {
-  /** `body` is the geometry to wear, or null for bones alone; a crowd wears the coarse one. */
+  /** `body` is the geometry to wear, or null for bones alone; a crowd wears it coarser. */
   constructor(take, body, crowd) {
     this.take = take;
     this.pose = new Pose(take.skeleton);
@@ -29,7 +29,7 @@ export class Actor {
   }
 
   #dress(body, crowd) {
-    this.skin = new Skin(body, this.take.skeleton, crowd);
+    this.skin = new Skin(body, this.take.skeleton, crowd ? 1 : 0);
     this.material = bodyMaterial();
     this.solid = this.skin.mesh(this.material, 3);
     this.depth = this.skin.mesh(depthMaterial(), 2);

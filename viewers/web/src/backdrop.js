@@ -1,55 +1,60 @@
 // What lies behind and under the figures: gradient, floor grid fading out, the shadows' catcher.
-import { Color, Group, Mesh, PlaneGeometry, ShaderMaterial, ShadowMaterial, Vector3 } from "three";
+import { CircleGeometry, Color, Group, Mesh, PlaneGeometry, ShaderMaterial, ShadowMaterial, Vector3 } from "three";
 
-const FLOOR_SIZE = 120;
 const FADE = 9;
+const SHADOW_FALL = 1.15; // the light comes at a slant: shadows reach a little past what casts them
 
-/** A gradient over the whole picture, lighter behind the figures; dithered, or dark tones would show bands. */
-export function makeGradient() {
-  const material = new ShaderMaterial({
-    depthTest: false,
-    depthWrite: false,
-    toneMapped: false,
-    uniforms: {
-      centre: { value: new Color() },
-      middle: { value: new Color() },
-      edge: { value: new Color() },
-      aspect: { value: 1 },
-    },
-    vertexShader: `varying vec2 spot; void main() { spot = position.xy; gl_Position = vec4(position.xy, 1.0, 1.0); }`,
-    fragmentShader: `
-      uniform vec3 centre; uniform vec3 middle; uniform vec3 edge; uniform float aspect; varying vec2 spot;
-      float noise(vec2 p) { return fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453); }
-      void main() {
-        vec2 p = vec2(spot.x * mix(1.0, aspect, 0.35), spot.y - 0.18);
-        float r = length(p * vec2(0.82, 0.95));
-        vec3 tone = mix(centre, middle, smoothstep(0.0, 0.85, r));
-        tone = mix(tone, edge, smoothstep(0.55, 1.75, r));
-        gl_FragColor = vec4(tone + (noise(gl_FragCoord.xy) - 0.5) / 255.0, 1.0);
-      }`,
-  });
-  const mesh = new Mesh(new PlaneGeometry(2, 2), material);
-  mesh.frustumCulled = false;
-  mesh.renderOrder = -100;
-  return mesh;
+/*
+ * The gradient lies behind the transparent canvas as a style, which costs nothing to draw; only pictures that leave
+ * the page have it painted in. Both are ellipses around the same point.
+ */
+const GRADIENT = { x: 0.5, y: 0.4, wide: 0.72, tall: 0.95, stops: [["centre", 0], ["middle", 0.45], ["edge", 1]] };
+
+/** The gradient as a style. */
+export function gradientStyle(theme) {
+  const { x, y, wide, tall, stops } = GRADIENT;
+  const listed = stops.map(([name, at]) => `${theme[name]} ${at * 100}%`).join(", ");
+  return `radial-gradient(${wide * 100}% ${tall * 100}% at ${x * 100}% ${y * 100}%, ${listed})`;
+}
+
+/** The gradient painted over a 2D canvas. */
+export function paintGradient(context, theme) {
+  const { width, height } = context.canvas;
+  const { x, y, wide, tall, stops } = GRADIENT;
+  const gradient = context.createRadialGradient(0, 0, 0, 0, 0, 1);
+  for (const [name, at] of stops) gradient.addColorStop(at, theme[name]);
+  context.save();
+  context.fillStyle = theme.edge;
+  context.fillRect(0, 0, width, height);
+  context.translate(x * width, y * height);
+  context.scale(wide * width, tall * height);
+  context.fillStyle = gradient;
+  context.fillRect(-2, -2, 4, 4);
+  context.restore();
 }
 
 /** Floor y = 0: a grid of metres that fades with distance from `focus`, a pool of light, and the shadow catcher. */
 export class Floor {
   constructor() {
-    const geometry = new PlaneGeometry(FLOOR_SIZE, FLOOR_SIZE).rotateX(-Math.PI / 2);
-    this.grid = new Mesh(geometry, gridMaterial());
+    this.grid = new Mesh(new CircleGeometry(1, 48).rotateX(-Math.PI / 2), gridMaterial());
     this.grid.renderOrder = -50;
-    this.shadow = new Mesh(geometry, new ShadowMaterial({ depthWrite: false, toneMapped: false }));
+    this.grid.frustumCulled = false;
+    this.shadow = new Mesh(new PlaneGeometry(2, 2).rotateX(-Math.PI / 2), new ShadowMaterial({ depthWrite: false, toneMapped: false }));
     this.shadow.receiveShadow = true;
     this.shadow.renderOrder = -40;
     this.object = new Group();
     this.object.add(this.grid, this.shadow);
   }
 
-  focus(point, spread) {
+  /** Neither reaches farther than it shows: every pixel of them costs. `reach` is how far shadows are cast. */
+  focus(point, reach) {
+    const fade = FADE + reach;
     this.grid.material.uniforms.focus.value.set(point.x, 0, point.z);
-    this.grid.material.uniforms.fade.value = FADE + spread;
+    this.grid.material.uniforms.fade.value = fade;
+    this.grid.position.set(point.x, 0, point.z);
+    this.grid.scale.setScalar(fade);
+    this.shadow.position.set(point.x, 0, point.z);
+    this.shadow.scale.setScalar(reach * SHADOW_FALL);
   }
 
   paint(theme) {
@@ -62,9 +67,10 @@ export class Floor {
   }
 
   dispose() {
-    this.grid.geometry.dispose();
-    this.grid.material.dispose();
-    this.shadow.material.dispose();
+    for (const mesh of [this.grid, this.shadow]) {
+      mesh.geometry.dispose();
+      mesh.material.dispose();
+    }
   }
 }
 

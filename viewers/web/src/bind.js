@@ -29,11 +29,8 @@ export function bind(model, player) {
   for (const name of Object.keys(OPTIONS)) on(name, () => player.set(name, model.get(name)));
   on("frame", () => receiveFrame(player, model.get("frame")));
   on("body_data", () => player.setBody(model.get("body_data")));
-  on("take_data", () => {
-    player.setTakes(model.get("take_data"));
-    receiveFrame(player, model.get("frame"));
-  });
-  undo.push(sendBack(player, send));
+  on("take_data", () => player.setTakes(model.get("take_data")));
+  undo.push(sendBack(model, player, send));
   return () => undo.forEach((step) => step());
 }
 
@@ -60,17 +57,16 @@ function receiveFrame(player, frame) {
   const { clock } = player;
   const gap = Math.abs(frame - clock.at);
   const around = Math.min(gap, clock.frames - gap) / clock.fps; // a loop's end and start are neighbours
-  if (clock.playing ? around > ECHO * clock.speed : frame !== clock.at) player.seek(frame, { settled: false });
+  if (clock.playing ? around > ECHO * clock.speed : frame !== clock.at) player.seek(frame);
 }
 
-function sendBack(player, send) {
-  let sent = -1;
+function sendBack(model, player, send) {
   let last = 0;
   const sendFrame = () => {
     last = performance.now();
-    if (player.frame !== sent) send({ frame: (sent = player.frame) });
+    if (player.frame !== model.get("frame")) send({ frame: player.frame });
   };
-  const onTick = () => { if (player.frame !== sent && performance.now() - last >= SEND_EVERY) sendFrame(); };
+  const onTick = () => { if (performance.now() - last >= SEND_EVERY) sendFrame(); };
   const onOption = ({ detail: { name, value } }) => send({ [name]: value });
   player.addEventListener("tick", onTick);
   player.addEventListener("settle", sendFrame);

@@ -2,7 +2,7 @@
 import { Group, Vector3 } from "three";
 import { Bones } from "./bones.js";
 import { Pose } from "./pose.js";
-import { Skin, bodyMaterial, depthMaterial, dyeBody } from "./skin.js";
+import { Skin, depthMaterial, dyeBody, ghostMaterial } from "./skin.js";
 
 const PAST = 6;
 const OPACITY = 0.5;
@@ -75,9 +75,8 @@ class Ghost {
     this.root = new Vector3();
     this.take = take;
     if (body) {
-      this.skin = new Skin(body, take.skeleton, true);
-      this.material = bodyMaterial({ wash: 0.82 });
-      this.material.transparent = true;
+      this.skin = new Skin(body, take.skeleton, 1);
+      this.material = ghostMaterial();
       this.depth = this.skin.mesh(depthMaterial());
       this.depth.material.transparent = true; // in the same queue as the colour pass, just before it
       this.colour = this.skin.mesh(this.material);

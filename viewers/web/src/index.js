@@ -84,4 +84,7 @@ export function mount(el, values) {
   return { model, dispose: render({ model, el }) };
 }
 
+// Every cell of a notebook loads the bundle anew; three.js would warn of a second copy at each of them.
+delete globalThis.__THREE__;
+
 export default { render };

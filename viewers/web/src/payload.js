@@ -46,8 +46,7 @@ export function decodeBody(data) {
   return {
     vertices,
     normals,
-    faces: arrays.faces,
-    coarse: arrays.coarse,
+    levels: Object.keys(arrays).filter((name) => /^(faces|coarse\d+)$/.test(name)).map((name) => arrays[name]), // fine first
     skinIndices: arrays.skin_indices,
     skinWeights: arrays.skin_weights,
     colours: arrays.colours,

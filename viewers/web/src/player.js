@@ -27,6 +27,7 @@ export class MotionPlayer extends EventTarget {
     this.geometry = null;
     this.hovered = -1;
     this.framed = false;
+    this.jumped = false; // sought since the last picture
     this.stage = new Stage(canvas, (elapsed) => this.#advance(elapsed));
     this.cameraman = new Cameraman(this.stage.camera, canvas, {
       changed: () => this.stage.invalidate(),
@@ -44,21 +45,28 @@ export class MotionPlayer extends EventTarget {
     if (this.actors.length) this.#stageTakes(this.actors.map((actor) => actor.take));
   }
 
-  /** New takes: from the first frame on, framed anew. */
+  /**
+   * New takes: from the first frame on and framed anew, unless they are as many and as long as those before. Then
+   * they are another version of the same, and the place in time, the selection and the camera stay.
+   */
   setTakes(data) {
     const takes = decodeTakes(data);
-    this.#stageTakes(takes);
     const fps = takes[0]?.fps ?? 20;
-    const seconds = Math.max(0, ...takes.map((take) => take.frames / take.fps));
-    this.clock.at = 0;
-    this.clock.cover(fps, Math.round(seconds * fps));
-    this.#option("selection", []);
-    this.#option("selected", Math.min(this.options.selected, takes.length - 1));
+    const frames = Math.round(Math.max(0, ...takes.map((take) => take.frames / take.fps)) * fps);
+    const version = takes.length === this.actors.length && frames === this.clock.frames && fps === this.clock.fps;
+    this.#stageTakes(takes);
+    if (!version) {
+      this.clock.at = 0;
+      this.clock.cover(fps, frames);
+      this.#option("selection", []);
+      this.#option("selected", Math.min(this.options.selected, takes.length - 1));
+    }
     this.#pose();
-    if (this.framed && takes.length) {
+    if (this.framed && takes.length && !version) {
       if (this.cameraman.tooLong) this.#followInstead();
       this.#reframe();
-    } else if (this.stage.sized) this.#firstLook();
+    } else if (this.stage.size && !this.framed) this.#firstLook();
+    this.stage.invalidate();
     this.#announce("takes");
     this.#announce("settle");
   }
@@ -67,13 +75,14 @@ export class MotionPlayer extends EventTarget {
   resize(width, height) {
     if (!width || !height) return;
     this.stage.resize(width, height);
-    if (!this.framed && this.actors.length) this.#firstLook();
+    if (!this.framed) this.#firstLook();
     this.#advance(0);
     this.stage.draw();
   }
 
   #firstLook() {
-    this.framed = this.stage.sized;
+    if (!this.actors.length) return;
+    this.framed = true;
     if (this.cameraman.tooLong) this.#followInstead();
     this.#reframe({ glide: false, home: true });
     this.#pose();
@@ -222,6 +231,7 @@ export class MotionPlayer extends EventTarget {
     const gliding = this.cameraman.update(this.jumped && !clock.playing ? 0 : elapsed || 1 / 60, subject);
     this.jumped = false;
     this.stage.lightAround(...this.#lit());
+    if (this.geometry) this.geometry.rough = this.stage.rough;
     this.dispatchEvent(new CustomEvent("tick"));
     return clock.playing || gliding;
   }
@@ -332,9 +342,10 @@ export class MotionPlayer extends EventTarget {
 
   /** The picture as it is now, as a PNG blob. */
   picture() {
+    this.stage.refine();
+    if (this.geometry) this.geometry.rough = false;
     this.#pose();
-    this.stage.draw(); // the drawing buffer is only valid within the task that drew it
-    return new Promise((resolve) => this.stage.canvas.toBlob(resolve, "image/png"));
+    return this.stage.picture();
   }
 
   dispose() {

@@ -1,36 +1,45 @@
 // The skinned body: one geometry shared by every figure and ghost, one small set of bone matrices each.
 import {
-  BackSide, Bone, BufferAttribute, BufferGeometry, Color, DetachedBindMode, MeshStandardMaterial, NotEqualStencilFunc,
-  AlwaysStencilFunc, ReplaceStencilOp, ShaderMaterial, Skeleton, SkinnedMesh,
+  AlwaysStencilFunc, BackSide, Bone, BufferAttribute, BufferGeometry, Color, DetachedBindMode, MeshBasicMaterial, MeshLambertMaterial,
+  MeshStandardMaterial, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Skeleton, SkinnedMesh,
 } from "three";
 import { Binding } from "./pose.js";
 import { setRaw } from "./backdrop.js";
 
-/** Buffers of the body for the graphics card: one set of vertices, a fine and maybe a coarse set of triangles. */
+/**
+ * Buffers of the body for the graphics card. The levels of detail share the vertices and follow each other in one
+ * index, so that a mesh chooses by its draw range, and may choose otherwise for its shadow.
+ */
 export class BodyGeometry {
   constructor(body) {
     this.skeleton = body.skeleton;
-    const attributes = {
-      position: new BufferAttribute(body.vertices, 3),
-      normal: new BufferAttribute(body.normals, 3),
-      skinIndex: new BufferAttribute(body.skinIndices, 4),
-      skinWeight: new BufferAttribute(body.skinWeights, 4, true),
-      paint: new BufferAttribute(withTint(body), 4, true),
-    };
-    this.fine = withTriangles(attributes, body.faces);
-    this.coarse = body.coarse ? withTriangles(attributes, body.coarse) : this.fine;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(body.vertices, 3));
+    geometry.setAttribute("normal", new BufferAttribute(body.normals, 3));
+    geometry.setAttribute("skinIndex", new BufferAttribute(body.skinIndices, 4));
+    geometry.setAttribute("skinWeight", new BufferAttribute(body.skinWeights, 4, true));
+    geometry.setAttribute("paint", new BufferAttribute(withTint(body), 4, true));
+    const { levels } = body;
+    const index = new levels[0].constructor(levels.reduce((total, level) => total + level.length, 0));
+    let start = 0;
+    this.ranges = levels.map((level) => {
+      index.set(level, start);
+      start += level.length;
+      return [start - level.length, level.length];
+    });
+    geometry.setIndex(new BufferAttribute(index, 1));
+    this.geometry = geometry;
+    this.rough = false; // set while pictures have to come fast: everything one level coarser
+  }
+
+  /** Chooses what the next mesh is drawn with: 0 is the finest, Infinity the coarsest. */
+  use(level) {
+    this.geometry.setDrawRange(...this.ranges[Math.min(level + (this.rough ? 1 : 0), this.ranges.length - 1)]);
   }
 
   dispose() {
-    this.fine.dispose();
-    this.coarse.dispose();
+    this.geometry.dispose();
   }
-}
-
-function withTriangles(attributes, faces) {
-  const geometry = new BufferGeometry();
-  for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
-  return geometry.setIndex(new BufferAttribute(faces, 1));
 }
 
 function withTint({ colours, tint }) {
@@ -54,8 +63,9 @@ class Matrices extends Skeleton {
 
 /** One skinned figure in one pose; the passes (solid, depth only, outline) share its bone matrices. */
 export class Skin {
-  constructor(body, poseSkeleton, coarse = false) {
-    this.geometry = coarse ? body.coarse : body.fine;
+  constructor(body, poseSkeleton, level = 0) {
+    this.body = body;
+    this.level = level;
     this.binding = new Binding(body.skeleton, poseSkeleton);
     this.matrices = new Matrices(body.skeleton.joints.length);
     this.meshes = [];
@@ -63,7 +73,10 @@ export class Skin {
 
   /** A mesh of this figure drawn with `material`. */
   mesh(material, renderOrder = 0) {
-    const mesh = new SkinnedMesh(this.geometry, material);
+    const { body, level } = this;
+    const mesh = new SkinnedMesh(body.geometry, material);
+    mesh.onBeforeRender = () => body.use(level);
+    mesh.onBeforeShadow = () => body.use(Infinity);
     mesh.bindMode = DetachedBindMode;
     mesh.bind(this.matrices, mesh.matrixWorld.clone());
     mesh.frustumCulled = false; // bounds of a skinned mesh are those of its rest pose
@@ -84,11 +97,18 @@ export class Skin {
 }
 
 /** Lit material in the body's own colours, dyed by the actor's where the body allows it, with a soft edge light. */
-export function bodyMaterial({ dye = 1, wash = 0 } = {}) {
-  const material = new MeshStandardMaterial({ roughness: 0.68, metalness: 0 });
+export function bodyMaterial() {
+  return dyed(new MeshStandardMaterial({ roughness: 0.68, metalness: 0 }), 0);
+}
+
+/** The same for ghosts: matt, and in one colour but for a trace of the body's own. */
+export function ghostMaterial() {
+  return dyed(new MeshLambertMaterial({ transparent: true }), 0.82);
+}
+
+function dyed(material, wash) {
   const extra = {
-    dyeColour: { value: new Color() }, dye: { value: dye }, wash: { value: wash },
-    edgeColour: { value: new Color("#ffffff") }, edgeGlow: { value: 0.2 }, lift: { value: 0 },
+    dyeColour: { value: new Color() }, wash: { value: wash }, edgeColour: { value: new Color() }, edgeGlow: { value: 0.2 },
   };
   material.userData.extra = extra;
   material.onBeforeCompile = (shader) => {
@@ -107,14 +127,14 @@ export function bodyMaterial({ dye = 1, wash = 0 } = {}) {
 const DYE_PARS = `
 varying vec4 vPaint;
 uniform vec3 dyeColour; uniform vec3 edgeColour;
-uniform float dye; uniform float wash; uniform float edgeGlow; uniform float lift;`;
+uniform float wash; uniform float edgeGlow;`;
 // colours are mixed as they are seen (sRGB), as Body.painted does, then made linear for the light
 const DYE = `
-vec3 seen = mix(vPaint.rgb, dyeColour, max(vPaint.a * dye, wash));
+vec3 seen = mix(vPaint.rgb, dyeColour, max(vPaint.a, wash));
 diffuseColor.rgb = sRGBTransferEOTF(vec4(seen, 1.0)).rgb;`;
 const EDGE_LIGHT = `
 float facing = saturate(dot(normal, normalize(vViewPosition)));
-outgoingLight += edgeColour * pow(1.0 - facing, 3.0) * edgeGlow + diffuseColor.rgb * lift;`;
+outgoingLight += edgeColour * pow(1.0 - facing, 3.0) * edgeGlow;`;
 
 export function dyeBody(material, css, theme) {
   const { dyeColour, edgeColour, edgeGlow } = material.userData.extra;
@@ -125,7 +145,7 @@ export function dyeBody(material, css, theme) {
 
 /** Writes depth only, so that a translucent figure shows its outside and not its inner walls. */
 export function depthMaterial() {
-  return new MeshStandardMaterial({ colorWrite: false });
+  return new MeshBasicMaterial({ colorWrite: false });
 }
 
 /** Marks the figure's pixels in the stencil, for the outline to stay outside of. */

@@ -2,10 +2,12 @@
 import {
   Color, DirectionalLight, HemisphereLight, NeutralToneMapping, PCFShadowMap, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
 } from "three";
-import { Floor, makeGradient, setRaw } from "./backdrop.js";
+import { Floor, gradientStyle, paintGradient } from "./backdrop.js";
 import { THEMES } from "./theme.js";
 
 const MAX_PIXEL_RATIO = 2;
+const FINE_RATIO = 1.75; // pixels a CSS pixel of a picture at rest, drawn without antialiasing
+const REST = 180; // milliseconds without change until it is drawn
 const SHADOW_MAP = 1536;
 const SUN = new Vector3(2.2, 5.2, 3.4);
 
@@ -16,17 +18,20 @@ export class Stage {
   constructor(canvas, onFrame) {
     this.canvas = canvas;
     this.onFrame = onFrame;
-    this.renderer = makeRenderer(canvas);
+    this.thrifty = drawnInSoftware();
+    this.rough = this.thrifty;
+    this.rest = 0; // timer of the fine picture
+    this.rested = false;
+    this.renderer = makeRenderer(canvas, !this.thrifty);
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.05, 200);
-    this.backdrop = makeGradient();
     this.floor = new Floor();
-    this.scene.add(this.backdrop, this.floor.object);
+    this.scene.add(this.floor.object);
     this.#lights();
     this.theme = THEMES.dark;
     this.pictures = 0;
     this.visible = true;
-    this.sized = false;
+    this.size = null;
     this.stopped = false;
     this.request = 0;
     this.last = 0;
@@ -53,10 +58,7 @@ export class Stage {
 
   paint(name) {
     const theme = (this.theme = THEMES[name]);
-    const { centre, middle, edge } = this.backdrop.material.uniforms;
-    setRaw(centre.value, theme.centre);
-    setRaw(middle.value, theme.middle);
-    setRaw(edge.value, theme.edge);
+    this.canvas.style.background = gradientStyle(theme);
     this.floor.paint(theme);
     this.sky.color.set(theme.sky);
     this.sky.groundColor = new Color(theme.ground);
@@ -86,17 +88,28 @@ export class Stage {
   }
 
   resize(width, height) {
-    this.sized = true;
-    this.renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio || 1, MAX_PIXEL_RATIO));
-    this.renderer.setSize(width, height, false);
+    this.size = [width, height];
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.backdrop.material.uniforms.aspect.value = width / height;
+    this.#fit();
     this.invalidate();
+  }
+
+  #fit() {
+    if (!this.size) return;
+    const ratio = this.thrifty ? (this.rough ? 1 : FINE_RATIO) : Math.min(globalThis.devicePixelRatio || 1, MAX_PIXEL_RATIO);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(...this.size, false);
   }
 
   /** Asks for a picture; a player out of sight waits until it is seen again. */
   invalidate() {
+    clearTimeout(this.rest);
+    this.rest = 0;
+    this.#ask();
+  }
+
+  #ask() {
     if (!this.request && !this.stopped && this.visible && !document.hidden) {
       this.request = requestAnimationFrame(this.tick);
     }
@@ -114,11 +127,32 @@ export class Stage {
       this.last = 0;
       return;
     }
+    this.#detail(this.thrifty && !this.rested);
+    this.rested = false;
     const elapsed = this.last ? Math.min((now - this.last) / 1000, 0.25) : 0;
     const goOn = this.onFrame(elapsed);
     this.draw();
     this.last = goOn ? now : 0;
     if (goOn) this.invalidate();
+    else if (this.rough && !this.request) this.rest = setTimeout(() => this.#fine(), REST);
+  }
+
+  // Where the processor draws: rough pictures while things change, a fine one once they rest.
+  #detail(rough) {
+    if (rough === this.rough) return;
+    this.rough = rough;
+    this.#fit();
+  }
+
+  /** The next picture is a fine one, whatever moves. */
+  refine() {
+    this.#detail(false);
+  }
+
+  #fine() {
+    this.rest = 0;
+    this.rested = true;
+    this.#ask();
   }
 
   draw() {
@@ -127,14 +161,25 @@ export class Stage {
     this.pictures += 1;
   }
 
+  /** What the canvas shows now, background included, as a PNG blob. */
+  picture() {
+    this.draw(); // the drawing buffer is only valid within the task that drew it
+    const copy = document.createElement("canvas");
+    copy.width = this.canvas.width;
+    copy.height = this.canvas.height;
+    const context = copy.getContext("2d");
+    paintGradient(context, this.theme);
+    context.drawImage(this.canvas, 0, 0);
+    return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
+  }
+
   dispose() {
     this.stopped = true;
     cancelAnimationFrame(this.request);
+    clearTimeout(this.rest);
     document.removeEventListener("visibilitychange", this.onVisibility);
     this.canvas.removeEventListener("webglcontextlost", this.onLost);
     this.canvas.removeEventListener("webglcontextrestored", this.onRestored);
-    this.backdrop.geometry.dispose();
-    this.backdrop.material.dispose();
     this.floor.dispose();
     this.key.shadow.map?.dispose();
     this.renderer.dispose();
@@ -142,8 +187,17 @@ export class Stage {
   }
 }
 
-function makeRenderer(canvas) {
-  const attributes = { antialias: true, stencil: true, depth: true, powerPreference: "high-performance" };
+/** Does the processor do the drawing? Then pictures of moving things are made with less. */
+function drawnInSoftware() {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const names = probe?.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? probe.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
+}
+
+function makeRenderer(canvas, antialias) {
+  const attributes = { antialias, alpha: true, stencil: true, depth: true, powerPreference: "high-performance" };
   // three.js logs an error of its own when there is no WebGL; asking first keeps the console clean
   const context = canvas.getContext("webgl2", attributes);
   if (!context) throw new WebGLMissing("This browser has no WebGL 2");
