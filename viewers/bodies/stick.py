@@ -13,9 +13,9 @@ from viewers.bodies.body import INFLUENCES, Body
 LEFT, RIGHT, MIDDLE = (86, 180, 233), (230, 159, 0), (205, 210, 218)
 """Bone colours by side: sky blue, orange (told apart by colour-blind people too) and light grey."""
 BALL = (236, 239, 244)
-THICKNESS, BALL_SIZE = 0.11, 0.09
+THICKNESS, BALL_SIZE = 0.14, 0.11
 """Half width of a bone and radius of a ball, as a share of the bone's length ..."""
-LIMITS = (0.004, 0.026)
+LIMITS = (0.007, 0.036)
 """... kept within these, metres for a body 1.7 m tall."""
 LONE_BALL = 0.06
 """Radius of a skeleton that is one joint."""
@@ -61,7 +61,7 @@ def _parts(skeleton: Skeleton) -> Iterator[tuple[np.ndarray, np.ndarray, int, tu
         ends = [(rest[child], sides[child]) for child in skeleton.children[joint]]
         if name in skeleton.end_offsets:
             ends.append((rest[joint] + skeleton.end_offsets[name], sides[joint]))
-        reach = max((float(np.linalg.norm(end - rest[joint])) for end, _ in ends), default=2 * high)
+        reach = max((float(np.linalg.norm(end - rest[joint])) for end, _ in ends), default=skeleton.bone_lengths[joint])
         radius = float(np.clip(reach * BALL_SIZE, low, 0.8 * high)) if len(skeleton) > 1 else LONE_BALL
         ball, ball_faces = _ball(rest[joint], radius)
         yield ball, ball_faces, joint, BALL, 0.0

@@ -10,8 +10,8 @@ from scipy.spatial import KDTree
 from engines.skeletons.skeleton import Skeleton
 from viewers.bodies.body import Body
 
-SLACK = 1.15
-"""In a large pose skin may be farther from the bones than at rest, by this factor at most."""
+SLACK, SKIN = 1.2, 0.02
+"""In a large pose skin may be farther from the bones than at rest, by this factor and so many metres at most."""
 BANDS = 12
 """Strips that the part of the picture with figures in it is cut into, each as narrow as it can be."""
 
@@ -31,25 +31,30 @@ def outline(skeleton: Skeleton, positions: np.ndarray, turns: np.ndarray) -> np.
 
 
 @lru_cache(maxsize=64)
-def reach(body: Body) -> float:
-    """Metres the skin may reach beyond the outline of its skeleton, in any pose."""
+def reach(body: Body) -> np.ndarray:
+    """(P,) metres the skin may reach beyond each point of `outline`, in any pose."""
     rest = body.skeleton.rest_positions[None]
     points = outline(body.skeleton, rest, np.tile(np.eye(3), (1, len(body.skeleton), 1, 1)))[0]
-    return SLACK * float(KDTree(points).query(body.vertices)[0].max()) + 0.002
+    distance, nearest = KDTree(points).query(body.vertices)
+    radii = np.zeros(len(points))
+    np.maximum.at(radii, nearest, distance)
+    radii = SLACK * radii + SKIN
+    radii.setflags(write=False)
+    return radii
 
 
 def project(
-    points: np.ndarray, radius: float, matrices: np.ndarray, fov: float, size: tuple[int, int]
+    points: np.ndarray, radii: np.ndarray, matrices: np.ndarray, fov: float, size: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Pixel places (N, P, 2) of points (N, P, 3), and the radius in pixels (N, P) of spheres around them.
+    """Pixel places (N, P, 2) of points (N, P, 3), and the radii in pixels (N, P) of spheres (P,) around them.
 
     Points behind the camera come out far larger than the picture, so that nothing is missed.
     """
     padded = np.concatenate([points, np.ones((*points.shape[:2], 1))], axis=-1)
     clip = np.einsum("nab,npb->npa", matrices.astype(np.float64), padded)
-    depth = np.maximum(clip[..., 3] - radius, 0.05)
+    depth = np.maximum(clip[..., 3] - radii, 0.05)
     places = (clip[..., :2] / depth[..., None] + 1.0) / 2 * np.array(size)
-    return places, radius / np.tan(fov / 2) / depth * size[1] / 2
+    return places, radii / np.tan(fov / 2) / depth * size[1] / 2
 
 
 def bands(places: np.ndarray, radii: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -80,12 +85,12 @@ def bands(places: np.ndarray, radii: np.ndarray, size: tuple[int, int]) -> tuple
     return boxes, strips
 
 
-def shadow_areas(points: np.ndarray, radius: float, light: np.ndarray) -> np.ndarray:
+def shadow_areas(points: np.ndarray, radii: np.ndarray, light: np.ndarray) -> np.ndarray:
     """(N, 4) floor squares of one size (centre x, z, 1 / half side) that hold the shadow of points (N, P, 3)."""
     slant = light[[0, 2]] / light[1]
     places = points[..., [0, 2]] - np.maximum(points[..., 1:2], 0.0) * slant
     low, high = places.min(1), places.max(1)
-    half = float((high - low).max()) / 2 + 1.6 * radius
+    half = float((high - low).max()) / 2 + 1.6 * float(radii.max())
     area = np.zeros((len(points), 4))
     area[:, :2] = (low + high) / 2
     area[:, 2] = 1.0 / half

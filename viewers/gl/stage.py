@@ -111,8 +111,8 @@ class _Seen:
     """(N, P, 3) along its bones."""
     ghosts: np.ndarray
     """(N, Q, 3) along those of its ghosts."""
-    reach: float
-    """Metres its skin may reach beyond them."""
+    reach: np.ndarray
+    """(P,) metres its skin may reach beyond them."""
 
 
 def build(graphics: GraphicsContext, scene: Scene, times: np.ndarray, size: tuple[int, int]) -> Stage:
@@ -149,7 +149,7 @@ def _extents(
 ) -> tuple[np.ndarray, np.ndarray]:
     """`extent.bands` around all figures and ghosts."""
     discs = [
-        extent.project(points, one.reach, matrices, fov, size)
+        extent.project(points, np.resize(one.reach, points.shape[1]), matrices, fov, size)
         for one in seen
         for points in (one.points, one.ghosts)
         if points.shape[1]

@@ -11,8 +11,10 @@ TILE = 128
 """Pixels along a side of one actor's shadow."""
 
 
-NET = (32, 40)
-"""Cells across and down of the net that carries the backdrop's colours."""
+CELL = (64, 16)
+"""Pixels across and down of a cell of the net that carries the backdrop's colours; software rasterisers work in
+blocks of such sizes."""
+LEAST_CELLS = (12, 24)
 
 
 class Targets:
@@ -37,9 +39,12 @@ class Targets:
     def net(self, program: moderngl.Program) -> None:
         """Run a program over the whole target, its vertices on a net."""
         cache, gl = self.graphics.cache, self.graphics.gl
-        key = ("net", program)
+        key = ("net", program, self.width, self.height)
         if key not in cache:
-            x, y = np.meshgrid(np.linspace(-1, 1, NET[0] + 1), np.linspace(-1, 1, NET[1] + 1))
+            across, down = (
+                max(-(-size // cell), least) for size, cell, least in zip(key[2:], CELL, LEAST_CELLS, strict=True)
+            )
+            x, y = np.meshgrid(np.linspace(-1, 1, across + 1), np.linspace(-1, 1, down + 1))
             places = gl.buffer(np.stack([x, y], axis=-1).astype(np.float32).tobytes())
             number = np.arange(x.size).reshape(x.shape)
             a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
