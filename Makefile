@@ -18,7 +18,7 @@ test: $(VENV)/.dev  ## All tests (golden numbers and real data too where ../shar
 check: $(VENV)/.dev  ## Formatting, lint, types, architecture
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/ruff check .
-	$(VENV)/bin/pyright
+	$(VENV)/bin/pyright --pythonpath $(PY)
 	$(PY) -m pytest -q tests/test_architecture.py
 
 format: $(VENV)/.dev  ## Format and mend what ruff can mend

@@ -1,9 +1,7 @@
 """motionloom's engine side: everything about motion that needs no screen.
 
-    import engines
-    motion = engines.read("walk.bvh")
-    engine = engines.load("action2motion")
-    takes = engine.generate_many("jump", count=4, seed=7)
+`read` a motion file, `load` an engine and let it `generate`; what comes out is a `Motion`, and what one can do with it
+is in `engines.motion`.
 """
 
 from __future__ import annotations

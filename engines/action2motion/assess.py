@@ -60,7 +60,7 @@ def assess(engine: Action2MotionEngine, train: Sequence[Clip], test: Sequence[Cl
     labels = [clip.action or "" for clip in train]
     made = {a: engine.generate_many(a, count=draws, frames=FRAMES, seed=11) for a in engine.config.actions}
     generated = [motion for motions in made.values() for motion in motions]
-    shown = {action: [recognise(m, bank, labels) for m in motions] for action, motions in made.items()}
+    shown = {action: [recognise(motion, bank, labels) for motion in motions] for action, motions in made.items()}
     seen: dict[str, list[bool]] = {}
     for clip in test:
         seen.setdefault(clip.action or "", []).append(recognise(clip.motion, bank, labels) == clip.action)
@@ -85,13 +85,14 @@ def fingerprint(motion: Motion) -> np.ndarray:
     return np.concatenate([features.positions[at].ravel(), 1.5 * moved.ravel(), travel.ravel()]).astype(np.float32)
 
 
-def recognise(motion: Motion, bank: np.ndarray, labels: Sequence[str]) -> str:
+def recognise(motion: Motion, bank: np.ndarray, labels: list[str]) -> str:
     """The action most of the nearest real clips show, the nearest counting most."""
     distance = np.linalg.norm(bank - fingerprint(motion), axis=1)
     nearest = np.argsort(distance)[:NEIGHBOURS]
     votes: dict[str, float] = {}
     for i in nearest:
-        votes[labels[i]] = votes.get(labels[i], 0.0) + 1.0 / (1e-6 + float(distance[i]))
+        name = labels[int(i)]
+        votes[name] = votes.get(name, 0.0) + 1.0 / (1e-6 + float(distance[i]))
     return max(votes, key=lambda name: votes[name])
 
 
