@@ -63,15 +63,15 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
     folder.mkdir(parents=True, exist_ok=True)
     state, sequences = start(config, datasets.load("train") if clips is None else clips, seed)
     checkpoint = folder / "checkpoint.pt"
-    (folder / "config.json").write_text(_config(state).to_json())
     if checkpoint.exists():
         state.restore(checkpoint)
+    _write(folder / "config.json", _config(state).to_json())
 
     def draw(now: TrainingState) -> dict[str, torch.Tensor]:
         return losses(_model(now), sequences.draw(now.rng), now.step, FEET, now.generator)
 
     def report(now: TrainingState) -> None:
-        (folder / "history.json").write_text(json.dumps(now.history))
+        _write(folder / "history.json", json.dumps(now.history))
         if progress:
             progress(now)
 
@@ -85,8 +85,15 @@ def export(state: TrainingState, path: Path) -> str:
     save_file(weights, temporary)
     temporary.replace(path)
     config = _config(state).replaced(extra={"step": state.step, "seconds": round(state.seconds)})
-    path.with_suffix(".json").write_text(config.to_json() + "\n")
+    _write(path.with_suffix(".json"), config.to_json() + "\n")
     return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _write(path: Path, text: str) -> None:
+    """Beside the old file, then in its place."""
+    temporary = path.with_suffix(".partial")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
 
 
 def _model(state: TrainingState) -> Action2Motion:

@@ -72,7 +72,10 @@ def _standing_frame(folder: Path) -> Motion:
     candidates = candidates or sorted(folder.rglob("*_normal_*.bvh"))
     best: tuple[float, Motion] | None = None
     for path in candidates[:12]:
-        motion = bvh.read(path)
+        try:
+            motion = bvh.read(path)
+        except FormatError:
+            continue  # left out when its own turn comes; the others need not suffer for it
         named = roles.recognise(motion.skeleton.joints)
         at = {role: motion.positions[:, motion.skeleton.index(joint)] for role, joint in named.items()}
         score = np.zeros(len(motion))

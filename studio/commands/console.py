@@ -30,11 +30,11 @@ def settings_from(file: Path | None, **options: Any) -> Settings:
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Callable[[int, int | None], None]]:
+def progress_bar(title: str, unit: str = "frame") -> Iterator[Callable[[int, int | None], None]]:
     """A progress bar on stderr, shown on a terminal only; yields `progress(done, total)`."""
     from tqdm import tqdm
 
-    with tqdm(desc=title, unit="frame", disable=None, leave=False) as bar:
+    with tqdm(desc=title, unit=unit, disable=None, leave=False) as bar:
 
         def progress(done: int, total: int | None) -> None:
             bar.total = total
