@@ -73,7 +73,7 @@ def retarget(
 
 
 def _target_frames(target: Skeleton, theirs: Mapping[str, str], reference: Motion | None) -> dict[str, np.ndarray]:
-    """By role, the rotation (3, 3) from a joint of `smpl22` to that of the target in the same pose, both in T-pose axes.
+    """By role, the rotation (3, 3) from a joint of `smpl22` to that of the target when both stand in the same pose.
 
     A target whose legs are splayed at rest must turn them less far to stand as the source stands.
     """

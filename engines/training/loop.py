@@ -163,7 +163,7 @@ def _step(state: TrainingState, losses: Callable[[TrainingState], dict[str, Tens
     terms = losses(state)
     total = torch.stack(list(terms.values())).sum()
     if not torch.isfinite(total):
-        bad = {name: float(value) for name, value in terms.items()}
+        bad = {name: float(value.detach()) for name, value in terms.items()}
         raise CheckpointError(f"the loss is not finite at step {state.step}: {bad}")
     state.optimiser.zero_grad(set_to_none=True)
     total.backward()
