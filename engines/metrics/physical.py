@@ -60,8 +60,8 @@ def summary(motion: Motion) -> dict[str, float]:
     }
 
 
-REAL = {"foot_skate": 0.0, "jitter": 0.0, "ground_penetration": 0.0, "floating": 0.0}
-"""The same figures of real clips: the median over the held-out clips (`python -m engines.metrics.physical`)."""
+REAL = {"foot_skate": 0.042, "jitter": 76.8, "ground_penetration": 0.0018, "floating": 0.0108}
+"""The same figures of real motion capture: means over the 406 held-out clips of the prepared data at 20 fps."""
 
 
 def _feet(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
