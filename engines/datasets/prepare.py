@@ -31,7 +31,7 @@ from engines.motion import Motion
 log = logging.getLogger(__name__)
 
 CORPORA: dict[str, Corpus] = {corpus.name: corpus for corpus in (BandaiNamco(), CMU(), UTDMHAD())}
-VERSION = 1
+VERSION = 2
 """Raised whenever prepared clips change, so that an old cache is made anew."""
 SPLIT_SEED = 22
 _TEST_SHARE, _VAL_SHARE = 0.10, 0.05
