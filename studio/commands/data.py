@@ -90,7 +90,8 @@ def show() -> None:
     splits = Counter(clip.split for clip in clips)
     parts = ", ".join(f"{splits[part]:,} {part}" for part in ("train", "val", "test"))
     typer.echo(f"{'in all':<28}{len(clips):>7,}{_minutes(clips):>10.1f}  {parts}")
-    _print_actions(clips)
+    if clips:
+        _print_actions(clips)
 
 
 def _print_actions(clips: Sequence[Clip]) -> None:

@@ -15,6 +15,7 @@ import pytest
 import engines
 from engines import datasets
 from engines.action2motion import config, train
+from engines.datasets.prepare import VERSION
 from engines.formats import bvh
 from studio import cli
 from tests.engines.action2motion.tiny import movement
@@ -73,7 +74,7 @@ def clips(monkeypatch) -> None:
 def test_prepare_then_list(run, source):
     code, out, err = run("data", "prepare", "--source", str(source), "--workers", "1")
     assert code == 0
-    assert Path(out.strip()) == datasets.cache_folder() / "house-v1.npz"
+    assert Path(out.strip()) == datasets.cache_folder() / f"house-v{VERSION}.npz"
     assert Path(out.strip()).is_file()
     assert "1 clips were left out" in err
     assert "bandai-namco/dataset-2_run_normal_001: " in err
@@ -121,13 +122,13 @@ def test_a_persons_mistake_is_one_line_and_code_1(run, arguments, says):
 
 def test_a_source_of_broken_clips_keeps_the_old_cache(run, source):
     assert run("data", "prepare", "--source", str(source), "--workers", "1")[0] == 0
-    before = (datasets.cache_folder() / "house-v1.npz").read_bytes()
+    before = (datasets.cache_folder() / f"house-v{VERSION}.npz").read_bytes()
     for path in (source / "dataset" / "data").glob("*.bvh"):
         path.write_text("no motion\n")
     code, _, err = run("data", "prepare", "--source", str(source), "--workers", "1")
     assert code == 1
     assert "not one of 4 clips could be read" in err
-    assert (datasets.cache_folder() / "house-v1.npz").read_bytes() == before
+    assert (datasets.cache_folder() / f"house-v{VERSION}.npz").read_bytes() == before
 
 
 @pytest.mark.parametrize("arguments", [["data"], ["train"], ["data", "prepare"], ["train", "action2motion"]])
