@@ -110,9 +110,9 @@ def _reference(motion: Motion, reference: Literal["rest", "first"] | Motion) -> 
 
 
 def _leg_length(points: Mapping[str, np.ndarray]) -> float:
-    """Mean length of both legs, root to ankle along the bones, in the first frame."""
+    """Mean length of both legs, root to ankle along the bones: each bone's median over the frames."""
     chains = [("pelvis", f"{side}_hip", f"{side}_knee", f"{side}_ankle") for side in ("left", "right")]
-    steps = [np.linalg.norm(points[b][0] - points[a][0]) for chain in chains for a, b in pairwise(chain)]
+    steps = [np.median(np.linalg.norm(points[b] - points[a], axis=-1)) for chain in chains for a, b in pairwise(chain)]
     return max(float(np.sum(steps)) / 2, 1e-6)
 
 
@@ -178,7 +178,7 @@ def from_points(points: Mapping[str, np.ndarray], fps: float, *, upright: bool =
     frames["spine1"] = pelvis @ rotations.rotvec_to_matrix(middle / 3)
     frames["spine2"] = pelvis @ rotations.rotvec_to_matrix(middle * 2 / 3)
     places = _place(points, frames, upright)
-    ratio = canonical.leg_length(SMPL22) / _leg_length({k: np.median(v, axis=0)[None] for k, v in points.items()})
+    ratio = canonical.leg_length(SMPL22) / _leg_length(points)
     places += (points["pelvis"] * ratio)[:, None]
     turns, path = inverse.inverse(places, SMPL22)
     return Motion(SMPL22, turns, path, fps)
