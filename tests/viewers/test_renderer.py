@@ -138,6 +138,15 @@ def test_figures_below_the_floor_are_hidden_by_it(renderer: Renderer) -> None:
     assert not seen[:60].any()
 
 
+def test_a_camera_close_up_sees_no_holes(renderer: Renderer) -> None:
+    """Faces cut off by the edges of the view keep their colours (a driver once painted them black)."""
+    neck = poses.t_pose().positions[0, SMPL22.index("neck")]
+    for yaw in (-0.5, 0.6, 2.0):
+        camera = Camera("orbit", yaw=yaw, pitch=0.25, target=tuple(neck), distance=0.6, fov=0.5)
+        picture = renderer.frame(scene(poses.t_pose(), camera))
+        assert picture.max(-1).min() > 12
+
+
 def test_ghosts_are_fainter_than_the_figure_and_behind_it(renderer: Renderer) -> None:
     motion = poses.stride(24, speed=3.0)
     camera = Camera("left", distance=6.0, target=(0.0, 0.9, 1.8))

@@ -1,5 +1,5 @@
 #version 330
-noperspective in vec3 shade;
+in vec3 shade;
 uniform float alpha;
 out vec4 result;
 

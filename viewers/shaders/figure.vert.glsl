@@ -14,7 +14,7 @@ uniform vec3 ground_light;
 uniform vec3 faded;  // linear colour a ghost fades to
 uniform float fade;  // how far it has
 
-noperspective out vec3 shade;
+out vec3 shade;
 
 void main() {
     mat3x4 m = blended();

@@ -17,7 +17,7 @@ SKIN, BROWS, HAIR, EYES, IRIS, SOCKS, SHOES, SOLES, TROUSERS, SHIRT, LEFT_CUFF, 
 
 COLOURS = {
     SKIN: "#d6a384", BROWS: "#6e4e3c", HAIR: "#4d382d", EYES: "#f2efec", IRIS: "#4b3527", SOCKS: "#c9ced6",
-    SHOES: "#515a68", SOLES: "#eceff3", TROUSERS: "#46536a", SHIRT: "#86aee0", LEFT_CUFF: "#56b4e9",
+    SHOES: "#8f99a8", SOLES: "#eceff3", TROUSERS: "#505f7a", SHIRT: "#86aee0", LEFT_CUFF: "#56b4e9",
     RIGHT_CUFF: "#e69f00",
 }  # fmt: skip
 TINT = {SHIRT: 1.0, TROUSERS: 0.28}
@@ -102,9 +102,9 @@ def _shoe_top(v: np.ndarray) -> np.ndarray:
 
 
 def shirt_field(v: np.ndarray) -> np.ndarray:
-    """Trunk and upper arms, less a round neck."""
-    neck = np.sqrt((v[:, 0] / 1.12) ** 2 + (v[:, 1] - 0.572) ** 2 + ((v[:, 2] - 0.028) * 0.95) ** 2) - 0.083
-    return np.minimum.reduce([v[:, 1] - _HEM_SHIRT, _SLEEVE - np.abs(v[:, 0]), neck, 0.548 - v[:, 1]])
+    """Trunk and upper arms; the neck is a plane that falls to the front."""
+    neck = 0.536 - 0.60 * (v[:, 2] + 0.04)
+    return np.minimum.reduce([v[:, 1] - _HEM_SHIRT, _SLEEVE - np.abs(v[:, 0]), neck - v[:, 1]])
 
 
 def hair_field(v: np.ndarray) -> np.ndarray:
@@ -186,7 +186,7 @@ def sculpt_shoes(mesh: SkinMesh) -> SkinMesh:
             v[own] += front[own, None] * (_onto(v[own], hull, 0.006) - v[own])
     rest = lift * (1.0 - _ramp(v[:, 2], 0.055, 0.105))
     v += normals * rest[:, None]
-    v = fair(v, mesh.faces, foot * 0.5, 4)
+    v = fair(v, mesh.faces, foot * 0.6, 20)
     down = -_outward(replace(mesh, vertices=v))[:, 1]
     under = foot * _ramp(down, 0.0, 0.5) * _ramp(SOLE + 0.042 - v[:, 1], 0.0, 0.016)
     under = smooth(under[:, None], mesh.faces, 0.5 * foot, 6)[:, 0]

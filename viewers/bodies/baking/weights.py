@@ -82,22 +82,37 @@ def cut_out(mesh: SkinMesh, keep: np.ndarray) -> SkinMesh:
     return SkinMesh(mesh.vertices[keep], faces, mesh.weights[keep])
 
 
-_EVENED = {"shoulder": (0.15, 14), "hip": (0.17, 6), "elbow": (0.08, 3), "knee": (0.10, 3), "wrist": (0.06, 6)}
+_EVENED = {
+    "neck": (0.18, 8), "collar": (0.14, 8), "shoulder": (0.15, 14), "hip": (0.17, 6), "elbow": (0.08, 3),
+    "knee": (0.10, 3), "wrist": (0.06, 6),
+}  # fmt: skip
 """Metres around a joint within which weights are evened out, and how many times."""
 _TWIST_SHARE, _TWIST_REACH = 0.30, 0.13
 """How much of the hand's turning the forearm takes up, and over how many metres above the wrist."""
 
 
+def spare_the_neck(mesh: SkinMesh) -> np.ndarray:
+    """Weights (V, J) in which the upper arms move nothing near the neck; what they held there goes to the collars."""
+    weights = np.array(mesh.weights)
+    far = np.clip((np.abs(mesh.vertices[:, 0]) - 0.07) / 0.09, 0.0, 1.0)
+    share = far * far * (3.0 - 2.0 * far)
+    for side in ("left_", "right_"):
+        shoulder, collar = SMPL22.index(side + "shoulder"), SMPL22.index(side + "collar")
+        weights[:, collar] += (1.0 - share) * weights[:, shoulder]
+        weights[:, shoulder] *= share
+    return weights
+
+
 def refine(mesh: SkinMesh) -> SkinMesh:
     """Weights for large poses: evened out around the limbs' roots, the hand's twist spread over the forearm."""
-    weights = np.array(mesh.weights)
+    weights = spare_the_neck(mesh)
     count = len(weights)
     near = neighbours(mesh.faces, count)
     mean = sparse.diags(1.0 / np.asarray(near.sum(1)).ravel()) @ near
     for part, (reach, passes) in _EVENED.items():
         amount = np.zeros(count)
-        for side in ("left_", "right_"):
-            away = np.linalg.norm(mesh.vertices - SMPL22.rest_positions[SMPL22.index(side + part)], axis=1)
+        for joint in (name for name in SMPL22.joints if name.split("_")[-1] == part):
+            away = np.linalg.norm(mesh.vertices - SMPL22.rest_positions[SMPL22.index(joint)], axis=1)
             amount = np.maximum(amount, np.clip(1.6 * (1.0 - away / reach), 0.0, 1.0))
         for _ in range(passes):
             weights += 0.6 * amount[:, None] * (mean @ weights - weights)
