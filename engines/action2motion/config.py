@@ -51,6 +51,12 @@ class Action2MotionConfig:
     weight_decay: float = 1e-5
     teacher_forcing: float = 0.6
     """Share of the sequences that are fed the real previous poses."""
+    closed_loop: float = 0.0
+    """Share of the sequences that run as in use: shown their first poses, they go on with latents of the prior."""
+    lead: int = 6
+    """How many poses those are shown."""
+    closed_noise: float = 0.5
+    """Scale of the noise in their draws; below 1, as their one target is the middle of what could follow."""
     detached_feed: bool = False
     """Take a pose the model feeds itself as given: no gradient through it, so all rows train in one fused call."""
     label_balance: float = 1.0
@@ -118,15 +124,16 @@ SMALL = Action2MotionConfig(
     batch_size=128,
     learning_rate=1e-3,
     final_learning_rate=5e-5,
-    teacher_forcing=0.25,
+    teacher_forcing=0.4,
+    closed_loop=0.5,
     label_balance=0.5,
-    kl_weight=(0.02, 0.2),
-    kl_rise=0.5,
+    kl_weight=(0.02, 0.1),
+    kl_rise=0.3,
     rotation_weight=1.0,
     velocity_weight=1.0,
     contact_weight=2.0,
     normalise=True,
-    steps=7_000,
+    steps=9_500,
 )
 """What ships: half the frame rate and a wider generator, more terms in the loss."""
 

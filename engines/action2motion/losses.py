@@ -39,9 +39,12 @@ def losses(
     config = model.config
     frames, count = batch.mask.shape
     noise = torch.randn(frames, count, config.latent_size, generator=generator)
-    forced = int(torch.bernoulli(torch.full((count,), config.teacher_forcing), generator=generator).sum())
+    closed = round(config.closed_loop * count)
+    led = count - closed
+    forced = int(torch.bernoulli(torch.full((led,), config.teacher_forcing), generator=generator).sum())
+    noise[:, led:] *= config.closed_noise
     poses, (mu_q, logvar_q, mu_p, logvar_p) = model.reconstruct(
-        batch.vectors, batch.conditions, batch.positions, forced, noise
+        batch.vectors, batch.conditions, batch.positions, forced, noise, closed
     )
     terms = {
         # eq. 3.11: distance of every joint, summed over joints

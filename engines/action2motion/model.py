@@ -142,19 +142,36 @@ class Action2Motion(nn.Module):
             before = torch.cat([real_before, before[:, real_before.shape[1] :]], dim=1)
         return Poses(vectors, positions, matrices, self.velocity(hidden, positions, before) * self.velocity_std)
 
-    def reconstruct(self, vectors: Tensor, conditions: Tensor, real_positions: Tensor, forced: int, noise: Tensor):
+    def reconstruct(  # noqa: PLR0913, PLR0917 - what is shown, and how the rows are led
+        self, vectors: Tensor, conditions: Tensor, real_positions: Tensor, forced: int, noise: Tensor, closed: int = 0
+    ) -> tuple[Poses, tuple[Tensor, Tensor, Tensor, Tensor]]:
         """One pass of training.
 
         Args:
             vectors: (T, B, D) real poses, unscaled.
             conditions: (T, B, C).
             real_positions: (T, B, J, 3), for the velocity of teacher-forced rows.
-            forced: the first so many rows are teacher-forced, the others feed themselves.
-            noise: (T, B, Z) of the posterior draw.
+            forced: the first so many rows are teacher-forced.
+            noise: (T, B, Z) of the draws.
+            closed: the last so many rows run as in use: shown their first `config.lead` poses, they go on alone with
+                latents of the prior. The rows between feed themselves with latents of the posterior.
 
         Returns:
-            Poses, and the Gaussians (mu_q, logvar_q, mu_p, logvar_p), each (T, B, Z).
+            Poses (T, B, ...), and the Gaussians (mu_q, logvar_q, mu_p, logvar_p), each (T, B - closed, Z).
         """
+        shown = torch.cat([real_positions[:1], real_positions[:-1]])[:, :forced]
+        if not closed:
+            hidden, gaussians = self._with_posterior(vectors, conditions, forced, noise)
+            return self.decode(hidden, shown), gaussians
+        led = vectors.shape[1] - closed
+        hidden, gaussians = self._with_posterior(vectors[:, :led], conditions[:, :led], forced, noise[:, :led])
+        alone, _ = self.sample(conditions[:, led:], noise[:, led:], vectors[: self.config.lead, led:])
+        return self.decode(torch.cat([hidden, alone], dim=1), shown), gaussians
+
+    def _with_posterior(
+        self, vectors: Tensor, conditions: Tensor, forced: int, noise: Tensor
+    ) -> tuple[Tensor, tuple[Tensor, Tensor, Tensor, Tensor]]:
+        """Hidden (T, B, H) of rows whose latents the posterior draws, teacher-forced or self-fed, and the Gaussians."""
         real = self.scaled(vectors)
         mu_q, logvar_q, _, _ = self.posterior(torch.cat([real, conditions], dim=-1))
         known = torch.cat([conditions, sample_latent(mu_q, logvar_q, noise)], dim=-1)
@@ -171,8 +188,7 @@ class Action2Motion(nn.Module):
             before = torch.cat([before[:, :forced], torch.cat([torch.zeros_like(own[:1]), own[:-1]])], dim=1)
             hidden = torch.cat([led, free], dim=1)
         mu_p, logvar_p, _, _ = self.prior(torch.cat([before, conditions], dim=-1))
-        shown = torch.cat([real_positions[:1], real_positions[:-1]])[:, :forced]
-        return self.decode(hidden, shown), (mu_q, logvar_q, mu_p, logvar_p)
+        return hidden, (mu_q, logvar_q, mu_p, logvar_p)
 
     def sample(self, conditions: Tensor, noise: Tensor, given: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw from the prior, frame after frame.
