@@ -20,8 +20,8 @@ _PIPE = 1 << 20
 _TO_BT709 = "scale=out_color_matrix=bt709:out_range=tv:flags=neighbor"
 _ARGUMENTS = {
     ".mp4": [
-        "-vf", _TO_BT709, "-c:v", "libx264", "-preset", "ultrafast", "-crf", "21",
-        "-x264-params", "no-deblock=0:cabac=1", "-pix_fmt", "yuv420p",
+        "-vf", _TO_BT709, "-c:v", "libx264", "-preset", "ultrafast", "-crf", "22",
+        "-x264-params", "no-deblock=0:cabac=1:aq-mode=1", "-pix_fmt", "yuv420p",
         "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv",
         "-movflags", "+faststart", "-f", "mp4",
     ],
