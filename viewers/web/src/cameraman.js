@@ -51,7 +51,7 @@ export class Cameraman {
   // A long row of figures is seen more from the front, or those at its near end would hide the others.
   get #homeAzimuth() {
     const row = this.bounds ? this.bounds.maxX - this.bounds.minX : 0;
-    return HOME.azimuth * Math.min(1, 2.5 / Math.max(row, 1e-6));
+    return HOME.azimuth * MathUtils.clamp(2 - row / 2.5, 0, 1);
   }
 
   /** Frames the whole way seen from `azimuth` (degrees from the front), or those followed. */

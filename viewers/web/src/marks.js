@@ -144,8 +144,8 @@ function trailMaterial() {
         vec4 seen = modelViewMatrix * vec4(position, 1.0);
         gl_Position = projectionMatrix * seen;
         float head = 1.0 - smoothstep(0.0, 0.8, abs(order - now));
-        alpha = order <= now + 0.5 ? 0.95 : 0.3;
-        gl_PointSize = clamp(scale * (0.011 + 0.012 * head) / -seen.z, 2.4, 22.0);
+        alpha = order <= now + 0.5 ? 1.0 : 0.38;
+        gl_PointSize = clamp(scale * (0.017 + 0.014 * head) / -seen.z, 3.2, 30.0);
       }`,
     fragmentShader: `
       uniform vec3 colour; varying float alpha;

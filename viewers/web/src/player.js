@@ -11,6 +11,8 @@ import { Stage } from "./stage.js";
 import { resolveTheme } from "./theme.js";
 
 const DRIFT = 2; // metres figures may drift apart and still be followed as a group
+const LONGEST_ROW = 8; // figures; more stand in two rows
+const ROW_GAP = 1.9; // metres from the first row to the one behind
 const CROWD = 4; // more figures than this are drawn with the coarser mesh
 
 /**
@@ -110,15 +112,22 @@ export class MotionPlayer extends EventTarget {
     return this.body !== null && String(this.body.skeleton.joints) === String(take.skeleton.joints);
   }
 
-  /** Side by side along x, the first on the viewer's left, or all in one place; each take's own offset on top. */
+  /**
+   * Side by side along x, the first on the viewer's left, many in two rows; or all in one place. Each take's own offset
+   * comes on top.
+   */
   #arrange() {
     const { arrangement, spacing, mirror, in_place: inPlace } = this.options;
     const ways = this.actors.map(({ take }) => floorWay(take, { mirror, inPlace }));
+    const count = this.actors.length;
+    const aside = arrangement === "side" && count > 1;
+    const columns = count > LONGEST_ROW ? Math.ceil(count / 2) : count;
     this.actors.forEach((actor, i) => {
-      const aside = arrangement === "side" && this.actors.length > 1;
-      const x = aside ? (i - (this.actors.length - 1) / 2) * spacing - ways[i][0] : 0;
+      const row = Math.floor(i / columns);
+      const x = aside ? ((i % columns) - (columns - 1) / 2 + row / 2) * spacing - ways[i][0] : 0;
+      const z = aside ? -row * ROW_GAP : 0;
       const [dx, dy, dz] = actor.take.offset;
-      actor.object.position.set(x + dx, dy, dz);
+      actor.object.position.set(x + dx, dy, z + dz);
     });
     if (!ways.length) return;
     const places = this.actors.map((actor) => actor.object.position);

@@ -2,7 +2,6 @@
 import { Vector3 } from "three";
 import { button, h, press } from "./dom.js";
 
-const NEAR = 64; // pixels: names closer than this side by side overlap
 const LINE = 25; // pixels from one name to the next below it
 
 export class Names {
@@ -23,6 +22,7 @@ export class Names {
       tag.addEventListener("pointerleave", () => player.hover(-1));
       return tag;
     });
+    this.widths = [];
     this.element.replaceChildren(...this.buttons);
     this.refresh();
   }
@@ -44,15 +44,16 @@ export class Names {
       tag.style.visibility = seen ? "visible" : "hidden";
       if (!seen) return;
       const x = ((this.spot.x + 1) / 2) * width;
-      const y = clear(taken, x, ((1 - this.spot.y) / 2) * height + 16);
+      this.widths[i] ??= tag.offsetWidth;
+      const y = clear(taken, x, ((1 - this.spot.y) / 2) * height + 16, this.widths[i]);
       tag.style.transform = `translate(-50%, 0) translate(${x}px, ${y}px)`;
     });
   }
 }
 
 // Moves a name down until it hides none of those placed before it.
-function clear(taken, x, y) {
-  while (taken.some((other) => Math.abs(other.x - x) < NEAR && Math.abs(other.y - y) < LINE)) y += LINE;
-  taken.push({ x, y });
+function clear(taken, x, y, width) {
+  while (taken.some((other) => Math.abs(other.x - x) < (width + other.width) / 2 && Math.abs(other.y - y) < LINE)) y += LINE;
+  taken.push({ x, y, width });
   return y;
 }
