@@ -26,7 +26,7 @@ POSES, WIDE, HIGH, COLUMNS = 7, 84, 112, 2
 
 
 def sheet(engine: Action2MotionEngine, path: Path, seed: int = 1, frames: int = 60) -> None:
-    """A strip of poses of every action, drawn from the shipped weights; nothing is picked."""
+    """Draw a strip of poses of every action from the shipped weights; nothing is picked."""
     names = engine.config.actions
     rows = -(-len(names) // COLUMNS)
     picture = Image.new("RGB", (COLUMNS * POSES * WIDE, rows * HIGH), "black")
@@ -63,33 +63,37 @@ def card(engine: Action2MotionEngine, found: Assessment, reads: list[str], pictu
     )
     order = sorted(config.actions, key=lambda name: -found.recognised[name])
     recognised = ", ".join(f"{name} {found.recognised[name]:.0%}" for name in order)
+    weight = f"KL weight to {config.kl_weight[1]:g}"
+    steps = int(extra.get("step", 0))
+    minutes = float(extra.get("seconds", 0)) / 60
+    mine, theirs = (np.mean(list(share.values())) for share in (found.recognised, found.real_recognised))
     others = [name for name in config.actions if name not in reads]
     return f"""# Action2Motion, {engine.variant}
 
-**Licence: CC BY-NC 4.0**, since most of the training clips are Bandai-Namco's (attribution: Kobayashi et al. 2023). Retrain
-without them for weights of your own. SHA-256 `{engine.weights_hash}`.
+**Licence: CC BY-NC 4.0**, since most of the training clips are Bandai-Namco's (attribution: Kobayashi et al. 2023).
+Retrain without them for weights of your own. SHA-256 `{engine.weights_hash}`.
 
 | | |
 |---|---|
 | method | conditional temporal VAE, pose decoder `{config.decoder}` (Guo et al. 2020; thesis section 3.2.1) |
-| settings | `{engine.variant}.json` beside the weights: generator {config.generator_size}, {config.fps:g} fps, KL weight to {config.kl_weight[1]:g} |
+| settings | the `.json` beside the weights: generator {config.generator_size}, {config.fps:g} fps, {weight} |
 | data | Bandai-Namco Motiondataset 1 and 2, CMU subset (free), UTD-MHAD (research use; cite Chen et al. 2015) |
-| split | by clip, seeded; UTD by subject (6 validation, 7 test); trained on the training split only, mirrored where sides allow |
-| training | {extra.get("step", "?"):,} steps of {config.batch_size} windows of {config.window} frames, {extra.get("seconds", 0) / 60:.0f} minutes on one CPU thread |
+| split | by clip, seeded; UTD by subject (6 validation, 7 test); only the training split, mirrored where sides allow |
+| training | {steps:,} steps of {config.batch_size} windows of {config.window} frames, {minutes:.0f} minutes |
 | notes | {extra.get("notes", "none")} |
 
 ## Held-out figures
 
-`python scripts/model_card.py {engine.variant}`; means with 95 % intervals. Generated: {len(config.actions)} actions, 6 draws each, 60
-frames. Real: the first 60 frames of the test clips.
+`python scripts/model_card.py {engine.variant}`; means with 95 % intervals. Generated: {len(config.actions)} actions,
+6 draws each, 60 frames. Real: the first 60 frames of the test clips.
 
 | | generated | real |
 |---|---|---|
 {rows}
 
-Recognised by the five nearest real training clips: generated {np.mean(list(found.recognised.values())):.0%} of draws (mean over actions);
-held-out real clips {np.mean(list(found.real_recognised.values())):.0%}. Reconstruction of held-out clips, latents from the posterior, teacher-forced:
-{found.joint_error_cm:.1f} cm a joint, {found.kl_nats:.2f} nats a frame between posterior and prior.
+Recognised by the five nearest real training clips: generated {mine:.0%} of draws (mean over actions), held-out real
+clips {theirs:.0%}. Reconstruction of held-out clips, latents from the posterior, teacher-forced:
+{found.joint_error_cm:.1f} cm a joint; {found.kl_nats:.2f} nats a frame between posterior and prior.
 
 By action: {recognised}.
 
