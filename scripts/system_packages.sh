@@ -21,7 +21,7 @@ for what in "$@"; do
     egl)
         has_library libEGL.so.1 || need libegl1
         has_library libGL.so.1 || need libgl1
-        ls /usr/lib/*/dri/swrast_dri.so /usr/lib/*/libgallium*.so >/dev/null 2>&1 || need libgl1-mesa-dri
+        [ -n "$(ls /usr/lib/*/dri/swrast_dri.so /usr/lib/*/libgallium*.so 2>/dev/null)" ] || need libgl1-mesa-dri
         ;;
     chromium) command -v chromium >/dev/null 2>&1 || need chromium fonts-dejavu-core ;;
     ffmpeg) command -v ffprobe >/dev/null 2>&1 || need ffmpeg ;;
