@@ -15,7 +15,7 @@ from safetensors.torch import load_file
 from torch import Tensor
 
 from engines import actions as vocabulary
-from engines.action2motion.config import DECODERS, Action2MotionConfig
+from engines.action2motion.config import DECODERS, Action2MotionConfig, Decoder
 from engines.action2motion.model import Action2Motion
 from engines.action2motion.networks import rollout
 from engines.action2motion.output import Upsampler, to_motions
@@ -60,12 +60,12 @@ class Action2MotionEngine:
     fps = HOUSE_FPS
     max_frames = MAX_FRAMES
     capabilities = frozenset({"actions", "interpolate", "transition", "outpaint", "scale_bones", "variants"})
-    variants = DECODERS
 
     def __init__(self, model: Action2Motion, weights_hash: str) -> None:
         self.model = model.eval()
         self.config: Action2MotionConfig = model.config
         self.variant = self.config.decoder
+        self.variants = shipped_variants()
         self.weights_hash = weights_hash
         self.actions: tuple[Action, ...] = tuple(vocabulary.get(name) for name in self.config.actions)
 
@@ -332,7 +332,7 @@ def load(variant: str = "glmi-m", checkpoint: str | Path | None = None) -> Actio
     """
     if variant not in DECODERS:
         raise UnknownLabelError("variant of action2motion", variant, DECODERS)
-    path = Path(checkpoint) if checkpoint else WEIGHTS / f"action2motion-{variant}.safetensors"
+    path = Path(checkpoint) if checkpoint else _weights(variant)
     if not path.is_file():
         raise CheckpointError(f"{path}: no such weights; ship or train them (motionloom train action2motion)")
     if checkpoint and not path.with_suffix(".json").is_file():
@@ -346,6 +346,15 @@ def load(variant: str = "glmi-m", checkpoint: str | Path | None = None) -> Actio
     except Exception as error:  # safetensors and torch raise many kinds; each means the file does not fit
         raise CheckpointError(f"{path}: these weights do not fit their settings: {error}") from error
     return Action2MotionEngine(model, hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def shipped_variants() -> tuple[Decoder, ...]:
+    """The pose decoders whose weights are there."""
+    return tuple(name for name in DECODERS if _weights(name).is_file())
+
+
+def _weights(variant: str) -> Path:
+    return WEIGHTS / f"action2motion-{variant}.safetensors"
 
 
 def _chunks(count: int, frames: int) -> Iterator[range]:
