@@ -208,6 +208,22 @@ def test_threads_draw_each_with_their_own_renderer() -> None:
     assert np.abs(drawn[0].astype(int) - drawn[1]).max() > 50
 
 
+def test_the_context_of_a_thread_that_ended_is_used_again() -> None:
+    seen: list[object] = []
+
+    def work() -> None:
+        with Renderer(16, 16) as mine:
+            mine.frame(scene(poses.stand()))
+            seen.append(mine.graphics)
+
+    for _ in range(3):
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+    assert seen[0] is seen[1] is seen[2]
+    assert contexts.context() is not seen[0], "a living thread keeps its own"
+
+
 def test_a_renderer_of_another_thread_is_refused(renderer: Renderer) -> None:
     caught: list[BaseException] = []
 
@@ -226,10 +242,20 @@ def test_a_renderer_of_another_thread_is_refused(renderer: Renderer) -> None:
 def test_renderers_of_one_thread_share_their_context_and_bodies(renderer: Renderer) -> None:
     with Renderer(32, 32) as other:
         assert other.graphics is renderer.graphics
-        before = len(other.graphics.cache)
-        other.frame(scene(poses.stand()))
-        renderer.frame(scene(poses.stand()))
-        assert len(other.graphics.cache) - before <= 4
+        renderer.frame(scene(poses.stand(), colour="#123456"))
+        before = len(other.graphics.meshes)
+        other.frame(scene(poses.stand(), colour="#123456"))
+        assert len(other.graphics.meshes) == before
+
+
+def test_bodies_no_longer_used_leave_the_gpu(renderer: Renderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    from viewers.gl import figures
+
+    monkeypatch.setattr(figures, "MOST_MESHES", 3)
+    pictures = [renderer.frame(scene(poses.stand(), colour=f"#{shade:02x}0000")) for shade in range(20, 220, 20)]
+    monkeypatch.undo()
+    again = renderer.frame(scene(poses.stand(), colour="#140000"))
+    assert (again == pictures[0]).all(), "and come back when they are needed"
 
 
 def test_without_opengl_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

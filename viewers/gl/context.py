@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 _LOG = logging.getLogger(__name__)
 _LOCAL = threading.local()
+_LOCK = threading.Lock()
+_FREE: list[GraphicsContext] = []
 
 _ATTEMPTS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("EGL", {"backend": "egl"}),
@@ -43,20 +45,16 @@ class NoGraphicsError(MotionloomError):
 
 
 class GraphicsContext:
-    """A context and what is compiled and uploaded in it. Belongs to the thread that made it."""
+    """A context and what is compiled and uploaded in it. Belongs to one thread at a time."""
 
     def __init__(self) -> None:
         self.gl: moderngl.Context = open_context()
         self.thread = threading.get_ident()
         self._programs: dict[tuple[str, str, tuple[tuple[str, int], ...]], moderngl.Program] = {}
         self.cache: dict[object, Any] = {}
-        """Uploaded meshes and the like, keyed by their owners."""
-
-    def __del__(self) -> None:
-        # the thread ends, and its context with it
-        with contextlib.suppress(Exception):
-            self.cache.clear()
-            self.gl.release()
+        """Vertex arrays and the like, keyed by their owners."""
+        self.meshes: dict[object, Any] = {}
+        """Uploaded bodies, see `figures.mesh`."""
 
     def program(self, vertex: str, fragment: str, **defines: int) -> moderngl.Program:
         """The program of two shader files (names without folder and ending), compiled once.
@@ -75,19 +73,37 @@ class GraphicsContext:
         return self._programs[key]
 
 
+class _Lease:
+    """A thread's hold on a context; when the thread ends, the context is free for another."""
+
+    def __init__(self, graphics: GraphicsContext) -> None:
+        self.graphics = graphics
+        graphics.thread = threading.get_ident()
+
+    def __del__(self) -> None:
+        with contextlib.suppress(Exception):  # at the end of the program there may be nothing left to do it with
+            self.graphics.gl.__exit__(None, None, None)
+            with _LOCK:
+                _FREE.append(self.graphics)
+
+
 def context() -> GraphicsContext:
     """This thread's context, made on first use.
 
     An OpenGL context can be current in one thread only; so every thread that draws has its own, and objects made
-    with one must not be used in another.
+    with one must not be used in another. The contexts of threads that ended are used again, with all they hold.
 
     Raises:
         NoGraphicsError: no OpenGL here.
     """
-    found = getattr(_LOCAL, "context", None)
-    if found is None:
-        found = _LOCAL.context = GraphicsContext()
-    return found
+    lease = getattr(_LOCAL, "lease", None)
+    if lease is None:
+        with _LOCK:
+            idle = _FREE.pop() if _FREE else None
+        if idle is not None:
+            idle.gl.__enter__()
+        lease = _LOCAL.lease = _Lease(idle or GraphicsContext())
+    return lease.graphics
 
 
 def open_context() -> moderngl.Context:

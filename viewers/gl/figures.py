@@ -13,6 +13,8 @@ from viewers.gl.context import GraphicsContext
 
 LEVEL_HEIGHTS = (900, 190)
 """Figures less tall than this many pixels are drawn with the second, the third level of their body."""
+MOST_MESHES = 96
+"""Bodies kept uploaded in a context."""
 _BLOCK = 64
 """Programs are compiled for multiples of so many joints, so that most skeletons share one."""
 _LAYOUT = np.dtype(
@@ -33,6 +35,14 @@ class Mesh:
     flat: moderngl.VertexArray
     """Draws its shadow, coarsely."""
 
+    buffers: list[moderngl.Buffer]
+    """What the arrays read."""
+
+    def release(self) -> None:
+        """Free the memory on the GPU."""
+        for part in (*self.shaded, self.flat, *self.buffers):
+            part.release()
+
     def level(self, height: float) -> moderngl.VertexArray:
         """What to draw for a figure `height` pixels tall."""
         return self.shaded[sum(height < limit for limit in LEVEL_HEIGHTS[: len(self.shaded) - 1])]
@@ -49,13 +59,12 @@ def mesh(graphics: GraphicsContext, body: Body, colour: tuple[float, float, floa
     Raises:
         OutOfRangeError: more joints than the graphics driver has room for.
     """
-    key = (id(body), colour)
-    held = graphics.cache.get(key)
-    if isinstance(held, tuple) and held[0] is body:
-        return held[1]
-    made = _upload(graphics, body, colour)
-    graphics.cache[key] = (body, made)  # holding the body keeps its id from being used again
-    return made
+    key = (body, colour)  # bodies are told apart by identity
+    held = graphics.meshes.pop(key, None) or _upload(graphics, body, colour)
+    graphics.meshes[key] = held  # the latest used is the last
+    if len(graphics.meshes) > MOST_MESHES:
+        graphics.meshes.pop(next(iter(graphics.meshes))).release()
+    return held
 
 
 def _upload(graphics: GraphicsContext, body: Body, colour: tuple[float, float, float] | None) -> Mesh:
@@ -81,6 +90,7 @@ def _upload(graphics: GraphicsContext, body: Body, colour: tuple[float, float, f
         rows,
         [graphics.gl.vertex_array(shaded, [(buffer, _FULL[0], *_FULL[1])], level) for level in levels],
         graphics.gl.vertex_array(flat, [(buffer, _SHADOW[0], *_SHADOW[1])], levels[-1]),
+        [buffer, *levels],
     )
 
 
