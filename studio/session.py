@@ -14,6 +14,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -271,9 +272,11 @@ class Session:
             waiting.clear()
             if ended.is_set():
                 return
-            if job.finished:
+            # a copy, since the worker goes on: a job that ends while it is shown must not be shown as ended twice
+            seen = copy(job)
+            if seen.finished:
                 ended.set()
-            show(job)
+            show(seen)
 
         def changed(job: Job) -> None:
             if job.finished or not waiting.is_set():

@@ -1,5 +1,6 @@
 // The action asked for: type to search the grid below, Enter takes the best match; an unknown word is named at once.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const input = h("input", {
     class: "field", id: "action", type: "text", autocomplete: "off", spellcheck: "false", placeholder: "walk, jump, wave right hand…",
     "aria-describedby": "problem", maxlength: "80",
@@ -16,7 +17,7 @@ export function render({model, el}) {
     if (event.key === "Escape") { input.value = model.value; search("") }
   })
   const box = h("div", {class: "box"}, icon("search"), input)
-  el.append(h("label", {for: "action"}, "Action"), box, problem, about)
+  mount(part, [h("label", {for: "action"}, "Action"), box, problem, about])
   watch(model, ["value", "description", "error", "nearest"], () => {
     input.value = model.value
     input.setAttribute("aria-invalid", String(Boolean(model.error)))

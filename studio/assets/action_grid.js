@@ -1,24 +1,18 @@
 // The actions an engine knows, on shelves; the picture of the one under the pointer or focus moves.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   let shelf = "all"
   let typed = ""
   const shelves = h("div", {class: "shelves", role: "radiogroup", "aria-label": "Group of actions"})
   const grid = h("div", {class: "grid", role: "listbox", "aria-label": "Actions this engine knows"})
   const empty = h("p", {class: "hint none"}, "No action of that name.")
   const title = h("h4")
-  el.append(title, shelves, h("div", {class: "scroll"}, grid, empty))
   const cards = () => [...grid.children]
   const columns = () => getComputedStyle(grid).gridTemplateColumns.split(" ").length
   grid.addEventListener("keydown", (event) => arrows(event, cards, columns))
   shelves.addEventListener("keydown", (event) => arrows(event, () => [...shelves.children]))
   const onBrowse = () => (grid.querySelector('[tabindex="0"]') ?? grid.firstElementChild)?.focus()
   const onSearch = (event) => { typed = event.detail.trim().toLowerCase(); draw() }
-  window.addEventListener("motionloom:browse", onBrowse)
-  window.addEventListener("motionloom:search", onSearch)
-  model.on("lifecycle:remove", () => {
-    window.removeEventListener("motionloom:browse", onBrowse)
-    window.removeEventListener("motionloom:search", onSearch)
-  })
   const draw = () => {
     const fits = ({name, group}) => typed ? typed.split(/\s+/).every((word) => name.includes(word)) : shelf === "all" || group === shelf
     const found = model.actions.filter(fits)
@@ -33,6 +27,7 @@ export function render({model, el}) {
     redraw(grid, ...found.map((action) => card(model, action, action.name === current, () => { typed = ""; draw() })))
     empty.hidden = found.length > 0
   }
+  mount(part, [title, shelves, h("div", {class: "scroll"}, grid, empty)], {"motionloom:browse": onBrowse, "motionloom:search": onSearch})
   watch(model, ["actions", "value"], draw)
 }
 function card(model, {name, description, picture}, reachable, forget) {

@@ -94,3 +94,14 @@ function arrows(event, items, columns = () => 1) {
   event.stopPropagation()
   list[Math.max(0, Math.min(list.length - 1, next))]?.focus()
 }
+const mounted = new WeakMap()
+/** Show `nodes` in a component and listen on the window. Panel may render a view anew without taking the old rendering
+ * down, so what was there before goes first. */
+function mount({view, model, el}, nodes, listeners = {}) {
+  mounted.get(view)?.()
+  el.replaceChildren(...nodes)
+  for (const [name, act] of Object.entries(listeners)) window.addEventListener(name, act, name === "keydown")
+  const takeDown = () => { for (const [name, act] of Object.entries(listeners)) window.removeEventListener(name, act, name === "keydown") }
+  mounted.set(view, takeDown)
+  model.on("lifecycle:remove", takeDown)
+}

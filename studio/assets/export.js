@@ -1,9 +1,10 @@
 // The file being written: progress and cancel, then the download.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const box = h("div", {class: "box"})
-  el.append(box)
+  mount(part, [box])
   const size = (bytes) => bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} kB` : `${(bytes / 1e6).toFixed(1)} MB`
-  let fetched = ""
+  let fetched = model.url  // what was there when the page was drawn is not fetched again
   watch(model, ["status", "progress", "error", "file", "url", "bytes", "ready", "label"], () => {
     const busy = model.status === "queued" || model.status === "running"
     const percent = Math.round(model.progress * 100)

@@ -1,7 +1,8 @@
 // The Generate button, what it will bring, and how far it is.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const box = h("div")
-  el.append(box)
+  mount(part, [box])
   watch(model, ["busy", "progress", "problem", "named", "forecast", "error", "count"], () => {
     const label = model.count === 1 ? "Generate 1 take" : `Generate ${model.count} takes`
     const main = model.busy

@@ -5,7 +5,8 @@ const HELP = [
   ["Takes", [["↑ ↓", "pick another"], ["F", "star"], ["K", "keep"], ["C", "compare"], ["A", "again, on another seed"], ["Del", "delete"]]],
   ["Actions", [["type", "search"], ["↓", "into the grid"], ["arrows", "move"], ["Enter", "choose"]]],
 ]
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const toast = h("div", {class: "toast", role: "status", hidden: true})
   const dialog = h("dialog", {class: "help", "aria-label": "Help"},
     h("div", {class: "title"}, h("h3", {}, "Keyboard"), h("button", {class: "btn icon", type: "button", "aria-label": "Close help", onclick: () => dialog.close()}, icon("cross"))),
@@ -15,8 +16,6 @@ export function render({model, el}) {
     h("p", {class: "hint"}, model.about))
   dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() })
   const veil = h("div", {class: "veil", hidden: true}, h("div", {}, icon("upload"), "Drop to import"))
-  el.append(toast, dialog, veil)
-  acceptFiles(veil)
 
   const deepActive = () => { let node = document.activeElement; while (node?.shadowRoot?.activeElement) node = node.shadowRoot.activeElement; return node }
   const typing = (node) => node && (node.tagName === "TEXTAREA" || node.tagName === "SELECT" || (node.tagName === "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)))
@@ -46,8 +45,7 @@ export function render({model, el}) {
     }
   }
   const onHelp = () => { if (!dialog.open) dialog.showModal() }
-  window.addEventListener("keydown", onKey, true)
-  window.addEventListener("motionloom:help", onHelp)
+  mount(part, [toast, dialog, veil], {keydown: onKey, "motionloom:help": onHelp, ...fileListeners(veil)})
   let timer = 0
   model.on("message", () => {
     if (!model.message) return
@@ -69,14 +67,18 @@ export function render({model, el}) {
   requestAnimationFrame(() => document.getElementById("splash")?.classList.add("gone"))
 }
 /** A file dropped anywhere is handed to the import. */
-function acceptFiles(veil) {
-  const carries = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files")
+function fileListeners(veil) {
   let depth = 0
-  const listeners = {
-    dragenter: () => { depth += 1; veil.hidden = false },
-    dragover: () => {},
-    dragleave: () => { depth -= 1; if (depth <= 0) { depth = 0; veil.hidden = true } },
-    drop: (event) => { depth = 0; veil.hidden = true; window.dispatchEvent(new CustomEvent("motionloom:file", {detail: event.dataTransfer.files[0]})) },
+  const carried = (act) => (event) => {
+    if (![...(event.dataTransfer?.types ?? [])].includes("Files")) return
+    event.preventDefault()
+    depth = Math.max(0, act(event))
+    veil.hidden = depth === 0
   }
-  for (const [name, act] of Object.entries(listeners)) window.addEventListener(name, (event) => { if (carries(event)) { event.preventDefault(); act(event) } })
+  return {
+    dragenter: carried(() => depth + 1),
+    dragover: carried(() => Math.max(depth, 1)),
+    dragleave: carried(() => depth - 1),
+    drop: carried((event) => { window.dispatchEvent(new CustomEvent("motionloom:file", {detail: event.dataTransfer.files[0]})); return 0 }),
+  }
 }

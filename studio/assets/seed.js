@@ -1,5 +1,6 @@
 // The seed, always shown: a number, a die for another one, and a lock for an identical repeat.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const input = h("input", {class: "field", id: "seed", inputmode: "numeric", maxlength: "10", autocomplete: "off"})
   const die = h("button", {class: "in", type: "button", "aria-label": "Another seed", title: "Another seed", onclick: () => { model.value = Math.floor(Math.random() * 10000) }}, icon("dice"))
   const lock = h("button", {class: "in", type: "button"})
@@ -9,7 +10,7 @@ export function render({model, el}) {
     if (Number.isFinite(number)) { model.value = Math.min(number, 2147483647); model.locked = true }
     input.value = String(model.value)
   })
-  el.append(h("label", {for: "seed"}, "Seed"), h("div", {class: "box"}, input, die, lock))
+  mount(part, [h("label", {for: "seed"}, "Seed"), h("div", {class: "box"}, input, die, lock)])
   watch(model, ["value", "locked"], () => {
     input.value = String(model.value)
     lock.replaceChildren(icon(model.locked ? "lock" : "unlock"))

@@ -1,9 +1,10 @@
 // One of several: tabs (role tablist) or a choice (role radiogroup).
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const tabs = model.role === "tablist"
   const box = h("div", {class: `seg ${model.role}`, role: model.role, "aria-label": model.label})
   box.addEventListener("keydown", (event) => arrows(event, () => [...box.children]))
-  el.append(box)
+  mount(part, [box])
   watch(model, ["options", "value"], () => {
     redraw(box, ...model.options.map(([value, text]) => {
       const on = value === model.value

@@ -1,8 +1,9 @@
 // Over the stage: what it shows, and which takes together.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const bar = h("div", {class: "glass"})
   bar.addEventListener("keydown", (event) => arrows(event, () => [...bar.querySelectorAll("[role=radio]")]))
-  el.append(bar)
+  mount(part, [bar])
   watch(model, ["mode", "together", "ticked"], () => {
     const choices = [["all", model.together > 1 ? `All ${model.together}` : "Draw"], ["one", "One"], ["compare", `Compare ${model.ticked || ""}`]]
     redraw(bar, h("div", {class: "seg", role: "radiogroup", "aria-label": "Takes on the stage"}, ...choices.map(([value, text]) => h("button", {

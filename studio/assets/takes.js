@@ -1,10 +1,11 @@
 // The gallery: takes by draw, newest first; pick, star, keep, compare, again, delete.
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   let shown = "all"
   const head = h("div", {class: "head"})
   const list = h("div", {class: "list"})
   const foot = h("div", {class: "foot", role: "toolbar", "aria-label": "Selected take"})
-  el.append(head, list, foot)
+  mount(part, [head, list, foot])
   const send = (what, id) => model.send_msg({do: what, id: id ?? model.selected})
   const picks = () => [...list.querySelectorAll(".pick")]
   list.addEventListener("keydown", (event) => {

@@ -1,7 +1,8 @@
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const send = (what) => () => model.send_msg({do: what})
   const bar = h("div", {class: "bar", role: "toolbar", "aria-label": "Studio"})
-  el.append(bar)
+  mount(part, [bar])
   watch(model, ["scene", "undo_name", "redo_name", "theme"], () => {
     const dark = model.theme === "dark"
     const scene = h("input", {

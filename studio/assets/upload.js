@@ -1,11 +1,11 @@
 // Import: choose a file or drop one anywhere on the page. It travels in pieces, so that the page stays alive.
 const PIECE = 2 ** 20
-export function render({model, el}) {
+export function render(part) {
+  const {model} = part
   const input = h("input", {type: "file", accept: model.accept.join(","), class: "vh", id: "file", tabindex: "-1", "aria-label": "Motion file"})
   const choose = h("button", {class: "btn", type: "button", onclick: () => input.click()}, icon("upload"), "Choose a file")
   const outcome = h("div", {role: "status"})
   const zone = h("div", {class: "zone"}, icon("upload"), h("p", {}, "Drop a motion file here, or anywhere on the page"), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
-  el.append(zone, outcome)
   const refuse = (text) => { model.error = text; model.status = "" }
   async function send(file) {
     if (!file) return
@@ -22,9 +22,7 @@ export function render({model, el}) {
     }
   }
   input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
-  const listeners = {"motionloom:file": (event) => send(event.detail), "motionloom:choose-file": () => input.click()}
-  for (const [name, act] of Object.entries(listeners)) window.addEventListener(name, act)
-  model.on("lifecycle:remove", () => { for (const [name, act] of Object.entries(listeners)) window.removeEventListener(name, act) })
+  mount(part, [zone, outcome], {"motionloom:file": (event) => send(event.detail), "motionloom:choose-file": () => input.click()})
   watch(model, ["error", "status"], () => {
     redraw(outcome, model.error ? h("p", {class: "error", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
   })

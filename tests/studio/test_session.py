@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import threading
+from queue import SimpleQueue
 
 import pytest
 
@@ -224,6 +225,25 @@ def test_outcomes_are_dispatched_not_applied_on_the_worker(engine, queue, settle
         while waiting:
             waiting.pop(0)()
     assert len(session.state.takes) == 4
+    session.close()
+
+
+def test_a_job_that_ends_while_it_is_shown_is_shown_as_ended_once(engine, queue):
+    news, gate, seen = SimpleQueue(), threading.Event(), []
+    session = Session(queue=queue, dispatch=news.put)
+
+    def show(job):
+        before = job.status
+        gate.set()
+        assert real.wait(10)
+        seen.append((before, job.status))
+
+    real = session.submit("work", lambda _progress, _cancel: gate.wait(10), show)
+    while not seen or seen[-1][1] == "running":
+        news.get(timeout=10)()
+    while not news.empty():
+        news.get()()
+    assert seen == [("running", "running"), ("done", "done")]
     session.close()
 
 

@@ -97,7 +97,7 @@ def test_an_unknown_action_is_named_and_a_near_one_is_a_click_away(tab):
 
 def test_search_narrows_the_grid(tab):
     tab.page.get_by_label("Action", exact=True).fill("wave")
-    expect(tab.page.locator(".action")).to_have_count(WAVES)
+    expect(tab.page.locator("button[role=option]")).to_have_count(WAVES)
     expect(tab.page.get_by_text(f"{WAVES} of {len(VOCABULARY)} actions")).to_be_visible()
 
 
@@ -233,11 +233,11 @@ def test_with_the_keyboard_alone(tab):
     page, keys = tab.page, tab.page.keyboard
     page.get_by_label("Action", exact=True).focus()
     keys.type("wave")
-    expect(page.locator(".action")).to_have_count(WAVES)
+    expect(page.locator("button[role=option]")).to_have_count(WAVES)
     keys.press("ArrowDown")
     keys.press("ArrowRight")
-    expect(page.locator(".action:focus")).to_have_count(1)
-    name = page.locator(".action:focus").inner_text()
+    expect(page.locator("[role=option]:focus")).to_have_count(1)
+    name = page.locator("[role=option]:focus").inner_text()
     keys.press("Enter")
     expect(page.get_by_label("Action", exact=True)).to_have_value(name)
     keys.press("Control+Enter")
@@ -293,7 +293,7 @@ def test_everything_fits(browser, address, width, height):
             box = tab.page.get_by_role("button", name=name, exact=True).bounding_box()
             assert box["y"] + box["height"] <= height
             assert box["x"] + box["width"] <= width
-        assert tab.page.locator(".action").first.bounding_box()["y"] + 60 < height
+        assert tab.page.locator("button[role=option]").first.bounding_box()["y"] + 60 < height
     finally:
         context.close()
 
