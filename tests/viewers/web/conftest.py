@@ -17,6 +17,8 @@ FLAGS = [
     "--disable-background-networking", "--disable-component-update", "--no-first-run", "--disable-sync",
 ]  # fmt: skip
 SIZE = {"width": 800, "height": 540}
+PATIENCE = 90_000
+"""Milliseconds: drawing on the processor of a busy machine takes its time."""
 
 
 @pytest.fixture(scope="session")
@@ -93,6 +95,7 @@ def open_player(chromium: Any, tmp_path: Path) -> Iterator[Callable[..., PlayerP
     def start(motions: Any, *, fragment: str = "", context: dict[str, Any] | None = None, **options: Any) -> PlayerPage:
         path = save_html(motions, tmp_path / f"player{len(opened)}.html", body=options.pop("body", "stick"), **options)
         page = chromium.new_page(**{"viewport": SIZE, **(context or {})})
+        page.set_default_timeout(PATIENCE)
         made = PlayerPage(page, path=path)
         page.on("pageerror", lambda error: made.complaints.append(str(error)))
         page.on("console", lambda m: made.complaints.append(m.text) if m.type in ("error", "warning") else None)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.viewers.web.conftest import SIZE
+from tests.viewers.web.conftest import PATIENCE, SIZE
 from tests.viewers.web.synthetic import walk
 from viewers.web.controls import BUNDLE, OPTIONS
 from viewers.web.player import MotionPlayer
@@ -70,13 +70,14 @@ def test_state_holds_everything():
 
 
 @pytest.mark.ui
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(240)
 def test_in_a_cell(chromium: Any, tmp_path: Path):
     player = MotionPlayer(walk(3.0), body="stick", height=400, frame=10)
     text = PAGE.replace("VALUES", json.dumps(state_of(player))).replace("BUNDLE", BUNDLE.read_text(encoding="utf-8"))
     path = tmp_path / "cell.html"
     path.write_text(text, encoding="utf-8")
     page, complaints = chromium.new_page(viewport=SIZE), []
+    page.set_default_timeout(PATIENCE)
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
     page.goto(path.as_uri())

@@ -17,7 +17,7 @@ from tests.viewers.web.conftest import PlayerPage
 from tests.viewers.web.synthetic import walk
 from viewers.web import payload
 
-pytestmark = [pytest.mark.ui, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.ui, pytest.mark.timeout(240)]
 Open = Callable[..., PlayerPage]
 
 PROJECTED = """(() => {
@@ -318,11 +318,31 @@ def test_labels_lead_to_their_frames(open_player: Open):
 def test_playing_takes_its_time_and_stops_at_the_end(open_player: Open):
     player = open_player(walk(1.0), loop="off", show="skeleton")
     player.set("playing", True)
-    player.page.wait_for_function("() => !window.motionPlayer.model.get('playing')", timeout=20_000)
+    player.page.wait_for_function("() => !window.motionPlayer.model.get('playing')")
     assert player.get("frame") == 19
     player.set("playing", True)  # starts over
     player.pictures(2)
     assert player.js("player.clock.at") < 15
+
+
+def test_frames_are_reported_five_times_a_second_at_most_and_at_rest(open_player: Open):
+    player = open_player(walk(4.0), show="skeleton")
+    player.page.evaluate(
+        """() => {
+            const { model } = window.motionPlayer, set = model.set.bind(model);
+            window.sent = [];
+            model.set = (name, value) => {
+                if (name === 'frame') sent.push([performance.now(), value]);
+                set(name, value);
+            };
+            model.set('playing', true);
+        }"""
+    )
+    player.page.wait_for_function("() => window.sent.length >= 6")
+    player.set("playing", False)
+    times, frames = np.array(player.page.evaluate("window.sent")).T
+    assert (np.diff(times)[:-1] >= 199).all(), "all but the last, which pausing sent"
+    assert frames[-1] == player.frame == player.get("frame")
 
 
 def test_clock(open_player: Open):
