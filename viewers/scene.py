@@ -149,7 +149,7 @@ class Scene:
             motions: one Motion or several.
             layout: side_by_side: in a row, the first on the left as seen from the front; grid: in rows; overlaid:
                 all starting on one spot. A single motion stays where it is.
-            camera: default: follows one body, shows several whole.
+            camera: default: goes along with the bodies; several are seen from nearer the front.
             options: further fields of every Actor (body, ghosts, trail, ...).
 
         Raises:
@@ -167,9 +167,8 @@ class Scene:
             Actor(motion, **{"colour": colour, "offset": tuple(map(float, offset)), **options})
             for motion, colour, offset in zip(motions, colours, offsets, strict=False)
         ]
-        return cls(
-            tuple(actors), camera or (Camera("follow") if len(motions) == 1 else Camera("orbit", yaw=0.22, pitch=0.16))
-        )
+        from_the_front = Camera("follow", yaw=0.22, pitch=0.16)  # so that a row does not stand one behind the other
+        return cls(tuple(actors), camera or (Camera("follow") if len(motions) == 1 else from_the_front))
 
     @property
     def duration(self) -> float:
