@@ -81,7 +81,7 @@ def main() -> None:
         "following camera": Scene.of(motion),
         "still camera": Scene.of(motion, camera=Camera("left")),
         "following, ghosts, trail, contacts": Scene.of(motion, ghosts=8, trail=True, contacts=True),
-        "four bodies, still camera": Scene.of([motion] * 4),
+        "four bodies": Scene.of([motion] * 4),
     }
     with Renderer(*SIZE) as renderer:
         print(f"{renderer.graphics.gl.info['GL_RENDERER']}; {SIZE[0]}x{SIZE[1]}, 4 samples, {FPS:g} fps")

@@ -110,7 +110,8 @@ Do not read, or only at times: {", ".join(others)}.
 An intermediate checkpoint. **Walking and running do not read yet**: after the first steps the legs hardly alternate
 and the feet slide. Actions with one to three clips in the data (kick, respond, wash, slash, beckon) are not learned.
 Kinect actions (UTD-MHAD) carry the sensor's noise and shallow squats; many are one raised arm to the eye. An action
-that is done once and asked for longer than one and a half times its usual length is not done again, though it should be.
+that is done once and asked for longer than one and a half times its usual length is not done again, though it
+should be.
 """
 
 
