@@ -61,11 +61,12 @@ def generate(
 def measure(motion: Motion) -> Mapping[str, float]:
     """The quality measures shown beside a take: foot skate (m/s), jitter (m/s³), ground penetration (m), ...
 
-    None where the skeleton names no feet, which these measures look at.
+    Measured at 20 frames a second, as those of real clips are (jitter grows with the rate). None where the skeleton
+    names no feet, which these measures look at.
     """
     from engines.metrics import physical
 
-    return physical.summary(motion) if motion.skeleton.feet else {}
+    return physical.summary(motion.resample(20.0)) if motion.skeleton.feet else {}
 
 
 def export(

@@ -24,6 +24,6 @@ export function render(part) {
     about.textContent = model.description
     about.hidden = !model.description
     const picks = model.nearest.map((name) => h("button", {class: "chip", type: "button", "data-key": name, onclick: () => commit(name)}, name))
-    redraw(problem, model.error && h("p", {class: "error"}, model.error), picks.length > 0 && h("div", {class: "chips"}, ...picks))
+    redraw(problem, model.error && h("p", {class: "fault"}, model.error), picks.length > 0 && h("div", {class: "chips"}, ...picks))
   })
 }

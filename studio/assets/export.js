@@ -17,7 +17,7 @@ export function render(part) {
         : h("button", {class: "btn primary wide", type: "button", "data-key": "main", disabled: !model.ready, onclick: () => model.send_msg({do: "export"})}, model.label),
       h("div", {role: "status"},
         model.status === "done" && h("a", {class: "btn wide link", "data-key": "link", href: model.url, download: model.file}, icon("download"), h("span", {class: "file"}, model.file), h("span", {class: "number"}, size(model.bytes))),
-        model.status === "failed" && h("p", {class: "error", role: "alert"}, model.error),
+        model.status === "failed" && h("p", {class: "fault", role: "alert"}, model.error),
         model.status === "cancelled" && h("p", {class: "hint"}, "Cancelled; nothing was written.")))
     if (model.status === "done" && model.url !== fetched) {
       fetched = model.url

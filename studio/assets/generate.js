@@ -12,6 +12,6 @@ export function render(part) {
     const line = model.busy
       ? h("progress", {max: "1", value: model.progress > 0 ? String(model.progress) : null, "aria-label": "Generating"})
       : h("p", {class: "hint", id: "forecast"}, model.named ? "Choose an action it knows." : model.problem || model.forecast)
-    redraw(box, main, line, model.error && h("p", {class: "error", role: "alert"}, model.error))
+    redraw(box, main, line, model.error && h("p", {class: "fault", role: "alert"}, model.error))
   })
 }

@@ -24,6 +24,6 @@ export function render(part) {
   input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
   mount(part, [zone, outcome], {"motionloom:file": (event) => send(event.detail), "motionloom:choose-file": () => input.click()})
   watch(model, ["error", "status"], () => {
-    redraw(outcome, model.error ? h("p", {class: "error", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
+    redraw(outcome, model.error ? h("p", {class: "fault", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
   })
 }

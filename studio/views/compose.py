@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
 import panel as pn
 
+from engines import formats
 from studio import tasks
 from studio.exchange import IMPORTS, UPLOAD_LIMIT
 from studio.session import Session
@@ -28,7 +30,7 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
     """The controls of the open tab, above the actions."""
     state = session.state
     action = column(field, _shape(session), _body(session), _generate(session), gap=10)
-    files = column(_upload(session))
+    files = column(_upload(session), html(_readable()), gap=18)
 
     def show(*_: Any) -> None:
         action.visible, files.visible = state.compose_tab == "action", state.compose_tab == "import"
@@ -50,7 +52,7 @@ def action_field(session: Session) -> ActionField:
         entry = known.get(" ".join(state.action.lower().split()))
         return {
             "description": entry.description if entry else "",
-            "error": state.problem() if nearest else "",
+            "error": f"“{state.action}” is not an action this engine knows. Nearest:" if nearest else "",
             "nearest": nearest,
         }
 
@@ -182,6 +184,16 @@ def _generate(session: Session) -> Generate:
     button.on("generate", lambda _: session.generate())
     button.on("cancel", lambda _: session.cancel_generate())
     return button
+
+
+def _readable() -> str:
+    """Markup: the kinds of file that can be imported."""
+    rows = "".join(
+        f"<tr><th scope='row'>{escape(kind.extensions[0])}</th><td>{escape(kind.description)}</td></tr>"
+        for kind in formats.formats()
+        if kind.reads
+    )
+    return f"<section class='plain'><h4>What can be imported</h4><table>{rows}</table></section>"
 
 
 def _upload(session: Session) -> Upload:
