@@ -108,7 +108,12 @@ def _shape(session: Session) -> pn.Column:
     length.param.watch(asked, "value")
     shown()
     engine, variant = _engine(session)
-    return column(row(length, count), row(seed, variant), engine, gap=10)
+    lines = [row(length, count), row(seed, variant)]
+    box = column(*lines, gap=10)
+    state.param.watch(
+        lambda event: setattr(box, "objects", [engine, *lines] if len(event.new) > 1 else lines), "engines"
+    )
+    return box
 
 
 def _engine(session: Session) -> tuple[pn.widgets.Select, pn.widgets.Select]:
@@ -119,7 +124,7 @@ def _engine(session: Session) -> tuple[pn.widgets.Select, pn.widgets.Select]:
 
     def show(*_: Any) -> None:
         names = list(state.engines) or [state.engine]
-        engine.param.update(options=names, value=state.engine, visible=len(names) > 1)
+        engine.param.update(options=names, value=state.engine)
         kinds = list(dict.fromkeys([*state.variants, state.variant]))
         several = "variants" in state.capabilities and len(kinds) > 1
         variant.param.update(options=kinds, value=state.variant, visible=several)
