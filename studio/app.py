@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import logging
+import signal
 import socket
+import sys
+import threading
 from collections.abc import Callable
 from typing import Any
 from urllib.parse import quote
@@ -33,7 +37,13 @@ def make_app(queue: JobQueue | None = None) -> pn.Template:
     doc = pn.state.curdoc
     session = Session(StudioState(), queue=queue, dispatch=_on_document(doc))
     page = _lay_out(session)
-    pn.state.on_session_destroyed(lambda _context: session.close())
+    atexit.register(session.close)
+
+    def leave(_context: Any) -> None:
+        atexit.unregister(session.close)
+        session.close()
+
+    pn.state.on_session_destroyed(leave)
     pn.state.onload(session.start)
     return page
 
@@ -136,6 +146,9 @@ def serve(
     if chosen != port:
         log.warning("port %d is taken; using %d", port, chosen)
     logging.getLogger("asyncio").addFilter(_Departed())
+    if threading.current_thread() is threading.main_thread():
+        # as on Ctrl+C: what sessions left behind is cleared away on the way out
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     (queue or shared_queue()).submit("server", "warm up", _warm_up)
     local = host in ("127.0.0.1", "localhost", "::1")
     origins = [f"{name}:{chosen}" for name in ("localhost", "127.0.0.1")] if local else ["*"]

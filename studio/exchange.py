@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 import uuid
 from pathlib import Path
@@ -13,6 +14,7 @@ from engines.errors import FormatError, MotionloomError, OutOfRangeError
 from studio import downloads, tasks
 from studio.jobs import Cancel, Job, Progress
 from studio.settings import Settings, ending
+from studio.wording import duration
 
 if TYPE_CHECKING:
     from studio.session import Session
@@ -32,11 +34,12 @@ class Exchange:
 
     Args:
         session: whose state is shown to, and whose queue does the work.
-        folder: where exports are written; the session removes it.
     """
 
-    def __init__(self, session: Session, folder: Path) -> None:
-        self.session, self.folder = session, folder
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.folder: Path | None = None
+        """Where exports are written; made with the first one."""
         self._arriving: dict[str, bytearray] = {}
         self._exporting: Job | None = None
 
@@ -70,7 +73,7 @@ class Exchange:
             elif job.status == "done":
                 motion, metrics = job.result
                 made = self.session.takes.add([motion], group=uuid.uuid4().hex, source=name, metrics=[metrics])
-                state.import_status = f"Imported {name}: {motion.frames:,} frames, {motion.duration:.1f} s."
+                state.import_status = f"Imported {name}: {motion.frames:,} frames, {duration(motion.duration)}."
                 self.session.shelve(made)
 
         self.session.submit(f"import {name}", read, show, lane="file")
@@ -85,6 +88,7 @@ class Exchange:
             return
         how = state.export_settings()
         name = f"{self._prefix()}{take.id}-{tasks.slug(Path(take.subject).stem)}{ending(state.export_format)}"
+        self.folder = self.folder or Path(tempfile.mkdtemp(prefix="motionloom-"))
         path = Path(tempfile.mkdtemp(dir=self.folder)) / name
         state.param.update(
             export_status="queued", export_progress=0.0, export_error="", export_name=name, export_url="",
@@ -108,6 +112,12 @@ class Exchange:
         if take is None or take.settings is None:
             return "", ""
         return f"{take.id}.json", Settings(take.settings, state.export_settings()).to_json()
+
+    def close(self) -> None:
+        """Remove the exported files."""
+        if self.folder is not None:
+            downloads.withdraw(self.folder)
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def _exported(self, job: Job) -> None:
         update: dict[str, Any] = {"export_status": job.status, "export_progress": job.fraction}

@@ -8,18 +8,15 @@ from __future__ import annotations
 
 import logging
 import random
-import shutil
-import tempfile
 import threading
 import time
 import uuid
 from collections.abc import Callable
 from copy import copy
-from pathlib import Path
 from typing import Any
 
 import engines
-from studio import downloads, tasks, thumbnails
+from studio import tasks, thumbnails
 from studio.exchange import Exchange
 from studio.jobs import Job, JobQueue, Work, shared_queue
 from studio.settings import GenerateSettings
@@ -52,8 +49,7 @@ class Session:
         self.queue = queue or shared_queue()
         self.dispatch = dispatch or (lambda act: act())
         self.takes = TakeList(on_change=self._takes_changed)
-        self.folder = Path(tempfile.mkdtemp(prefix="motionloom-"))
-        self.files = Exchange(self, self.folder)
+        self.files = Exchange(self)
         self._drawing: Job | None = None
         self._draws = 0
         self._loaded = ("", "")
@@ -72,8 +68,7 @@ class Session:
     def close(self) -> None:
         """Stop the work and remove the files of this session."""
         self.queue.cancel_all(self.id)
-        downloads.withdraw(self.folder)
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self.files.close()
 
     # ---- generating ---------------------------------------------------------------------------------------
 

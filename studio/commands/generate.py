@@ -34,7 +34,7 @@ from studio.settings import (
 
 def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     action: Annotated[
-        str | None, typer.Argument(metavar="[ACTION]", help="What the person does: walk, jump, ...")
+        str | None, typer.Argument(metavar="ACTION", help="What the person does: walk, jump, ...")
     ] = None,
     count: Annotated[int | None, typer.Option("--count", "-n", metavar="N", help="How many motions to draw.")] = None,
     frames: Annotated[int | None, typer.Option(metavar="N", help="Length of each, frames (20 a second).")] = None,

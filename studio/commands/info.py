@@ -11,7 +11,7 @@ from engines.errors import UnknownLabelError
 
 
 def info(
-    what: Annotated[str | None, typer.Argument(metavar="[FILE | ENGINE]", help="Nothing: list the engines.")] = None,
+    what: Annotated[str | None, typer.Argument(metavar="FILE|ENGINE", help="Nothing: list the engines.")] = None,
 ) -> None:
     """Tell about a motion file, about an engine, or which engines there are.
 

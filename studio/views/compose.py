@@ -89,8 +89,8 @@ def _entry(action: Any) -> dict[str, str]:
 def _shape(session: Session) -> pn.Column:
     """Length, variations, seed, and engine and model where there is a choice."""
     state = session.state
-    length = dressed(pn.widgets.FloatInput, name="Length, seconds", step=0.5, start=0.1, end=600.0, format="0.0[0]")
-    count = dressed(pn.widgets.IntInput, name="Variations", step=1, start=1, end=MAX_COUNT)
+    length = dressed(pn.widgets.FloatInput, label="Length, seconds", step=0.5, start=0.1, end=600.0, format="0.0[0]")
+    count = dressed(pn.widgets.IntInput, label="Variations", step=1, start=1, end=MAX_COUNT)
     seed = Seed(sizing_mode="stretch_width", margin=0)
     tie(count, state, value="count")
     tie(seed, state, value="seed", locked="seed_locked")
@@ -119,8 +119,8 @@ def _shape(session: Session) -> pn.Column:
 def _engine(session: Session) -> tuple[pn.widgets.Select, pn.widgets.Select]:
     """Engine and variant, each shown where there is a choice."""
     state = session.state
-    engine = dressed(pn.widgets.Select, name="Engine", options=[state.engine])
-    variant = dressed(pn.widgets.Select, name="Model", options=[state.variant])
+    engine = dressed(pn.widgets.Select, label="Engine", options=[state.engine])
+    variant = dressed(pn.widgets.Select, label="Model", options=[state.variant])
 
     def show(*_: Any) -> None:
         names = list(state.engines) or [state.engine]
@@ -148,7 +148,7 @@ def _body(session: Session) -> pn.Card:
     """Length of bones, where the engine can scale them."""
     state = session.state
     sliders = {
-        name: dressed(pn.widgets.FloatSlider, name=name, start=0.7, end=1.3, step=0.01, value=1.0, format="0.00")
+        name: dressed(pn.widgets.FloatSlider, label=name, start=0.7, end=1.3, step=0.01, value=1.0, format="0.00")
         for name in _BONES
     }
 

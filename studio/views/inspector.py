@@ -14,6 +14,7 @@ from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments
+from studio.wording import duration
 
 FORMATS = [("mp4", "MP4"), ("gif", "GIF"), ("bvh", "BVH"), ("npz", "NPZ"), ("amass", "AMASS")]
 SIZES = {
@@ -56,7 +57,7 @@ def _details(session: Session) -> pn.Column:
     text = html()
     save = dressed(
         pn.widgets.FileDownload, callback=lambda: io.StringIO(session.files.settings_file()[1]), filename="take.json",
-        label="Save settings file", button_type="default", embed=False,
+        label="Save settings file", embed=False,
     )  # fmt: skip
 
     def show(*_: Any) -> None:
@@ -77,7 +78,7 @@ def describe(take: Take) -> str:
 
 def _made(take: Take) -> str:
     motion, made = take.motion, take.motion.provenance
-    length = f"{motion.frames:,} frames · {motion.fps:g} fps · {motion.duration:.1f} s"
+    length = f"{motion.frames:,} frames · {motion.fps:g} fps · {duration(motion.duration)}"
     if take.settings is None:
         joints = f"{motion.skeleton.name}, {len(motion.skeleton)} joints"
         rows = {"File": escape(take.source), "Length": length, "Skeleton": escape(joints)}
@@ -121,8 +122,8 @@ def _section(title: str, rows: dict[str, str]) -> str:
 def _export(session: Session) -> pn.Column:
     state = session.state
     kind = Segments(options=FORMATS, label="File format", sizing_mode="stretch_width", margin=0)
-    size = dressed(pn.widgets.Select, name="Size", options=SIZES["mp4"])
-    camera = dressed(pn.widgets.Select, name="Camera", options=CAMERAS)
+    size = dressed(pn.widgets.Select, label="Size", options=SIZES["mp4"])
+    camera = dressed(pn.widgets.Select, label="Camera", options=CAMERAS)
     about = html()
     tie(kind, state, value="export_format")
     tie(size, state, value="export_size")

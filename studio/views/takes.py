@@ -9,6 +9,7 @@ from studio.session import Session
 from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.parts import TakeGallery
+from studio.wording import duration
 from viewers.web.payload import PALETTE
 
 
@@ -36,7 +37,7 @@ def gallery(session: Session) -> TakeGallery:
 
 def card(take: Take) -> dict[str, Any]:
     """What the gallery shows of a take."""
-    seconds = f"{take.motion.duration:.1f} s"
+    seconds = duration(take.motion.duration)
     drawn = take.settings
     line = f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.motion.frames:,} frames"
     return {

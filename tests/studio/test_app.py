@@ -1,8 +1,12 @@
 from __future__ import annotations
 
 import socket
+import threading
+from types import SimpleNamespace
 
 import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
 
 from engines.errors import OutOfRangeError
 from studio import app
@@ -63,3 +67,24 @@ def test_a_file_name_is_text_not_markup():
     text = describe(made(source="<img src=x onerror=alert(1)>.bvh"))
     assert "<img" not in text
     assert "&lt;img" in text
+
+
+def test_a_page_is_built_and_ends_with_its_session(engine, queue, monkeypatch):
+    """The whole page without a browser: every area has its root, and closing the tab stops its work."""
+    owners, gate = [], threading.Event()
+    submit = queue.submit
+    monkeypatch.setattr(
+        queue, "submit", lambda who, *rest, **options: owners.append(who) or submit(who, *rest, **options)
+    )
+    document = Document()
+    with set_curdoc(document):
+        app.make_app(queue).server_doc(document, title="motionloom")
+        areas = {root.name for root in document.roots}
+        assert {"topbar", "compose_tabs", "compose", "browse", "stage", "takes", "inspector", "page"} <= areas
+    assert owners, "loading the page asks for the engine"
+    work = submit(owners[0], "work", lambda _progress, _cancel: gate.wait(10))
+    for destroyed in list(document.session_destroyed_callbacks):
+        destroyed(SimpleNamespace(_document=document, id="session"))
+    gate.set()
+    assert work.wait(10)
+    assert work.cancel_asked()

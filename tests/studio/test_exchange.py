@@ -136,7 +136,7 @@ def test_cancel_of_an_export_leaves_no_file(started, settle, monkeypatch):
     started.files.cancel_export()
     settle(started)
     assert (started.state.export_status, started.state.export_url) == ("cancelled", "")
-    assert not [p for p in started.folder.rglob("*") if p.is_file()]
+    assert not [p for p in started.files.folder.rglob("*") if p.is_file()]
 
 
 def test_failed_export_says_why(started, settle, monkeypatch):

@@ -272,7 +272,14 @@ def test_two_sessions_do_not_wait_for_each_other(engine, monkeypatch):
         queue.close()
 
 
-def test_closing_removes_the_files(session):
-    assert session.folder.is_dir()
+def test_closing_removes_the_files(session, settle):
+    session.start()
+    settle(session)
+    assert session.files.folder is None, "no folder before there is a file"
+    session.state.export_format = "bvh"
+    session.files.export()
+    settle(session)
+    folder = session.files.folder
+    assert [path.name for path in folder.rglob("*.bvh")] == ["take-1-walk.bvh"]
     session.close()
-    assert not session.folder.exists()
+    assert not folder.exists()
