@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import os
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
 ROOT = Path(__file__).resolve().parent.parent
+
+CHROMIUM_FLAGS = [
+    "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+    "--disable-background-networking", "--disable-component-update", "--no-first-run", "--disable-sync",
+]  # fmt: skip
+"""Software WebGL, and nothing that asks the network by itself."""
 
 
 def find_shared() -> Path | None:
@@ -22,3 +34,16 @@ def shared_dir() -> Path:
     if folder is None:
         pytest.skip("no shared folder: put it beside the checkout or set MOTIONLOOM_SHARED")
     return folder
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """The one browser of a test run; Playwright allows no second beside it."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    path = os.environ.get("MOTIONLOOM_CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
+    if path is None:
+        pytest.skip("no Chromium: install it or set MOTIONLOOM_CHROMIUM")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM_FLAGS)
+        yield browser
+        browser.close()

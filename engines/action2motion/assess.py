@@ -14,6 +14,7 @@ import torch
 
 from engines.action2motion.data import Sequences
 from engines.action2motion.engine import Action2MotionEngine
+from engines.action2motion.model import Draws
 from engines.action2motion.representation import encode
 from engines.datasets import Clip
 from engines.metrics import physical
@@ -113,10 +114,10 @@ def _reconstruction(engine: Action2MotionEngine, clips: Sequence[Clip]) -> tuple
 
     sequences = Sequences(clips, engine.config)
     batch = sequences.draw(np.random.default_rng(0), size=min(256, len(sequences)))
-    noise = torch.zeros(*batch.mask.shape, engine.config.latent_size)
+    silent = torch.zeros(*batch.mask.shape, engine.config.latent_size)
     with torch.inference_mode():
         poses, gaussians = engine.model.reconstruct(
-            batch.vectors, batch.conditions, batch.positions, batch.mask.shape[1], noise
+            batch.vectors, batch.conditions, batch.positions, Draws(silent, forced=batch.mask.shape[1])
         )
     error = (poses.positions - batch.positions).norm(dim=-1).mean()
     return 100 * float(error), float(gaussian_kl(*gaussians).sum(-1).mean())

@@ -50,15 +50,12 @@ class Action2MotionConfig:
     """Reached along a cosine at the last step."""
     weight_decay: float = 1e-5
     teacher_forcing: float = 0.6
-    """Share of the sequences that are fed the real previous poses."""
-    closed_loop: float = 0.0
-    """Share of the sequences that run as in use: shown their first poses, they go on with latents of the prior."""
-    lead: int = 6
-    """How many poses those are shown."""
-    closed_noise: float = 0.5
-    """Scale of the noise in their draws; below 1, as their one target is the middle of what could follow."""
-    detached_feed: bool = False
-    """Take a pose the model feeds itself as given: no gradient through it, so all rows train in one fused call."""
+    """Share of what the networks are fed that is real: of whole sequences, or with `feed_rounds` of single poses."""
+    feed_rounds: int = 0
+    """0: a sequence that is not forced feeds itself frame by frame (thesis). n > 0: what it would feed itself is
+    worked out in n fused passes instead, and stands in for real poses here and there (parallel scheduled sampling)."""
+    pose_noise: float = 0.0
+    """With `feed_rounds`: largest deviation of the noise on what is fed, in deviations of the pose."""
     label_balance: float = 1.0
     """A label with n clips is drawn with a chance proportional to n ** label_balance: 1 as they come, 0 even."""
     kl_weight: tuple[float, float] = (0.001, 0.01)
@@ -124,8 +121,9 @@ SMALL = Action2MotionConfig(
     batch_size=128,
     learning_rate=1e-3,
     final_learning_rate=5e-5,
-    teacher_forcing=0.4,
-    closed_loop=0.5,
+    teacher_forcing=0.6,
+    feed_rounds=1,
+    pose_noise=0.15,
     label_balance=0.5,
     kl_weight=(0.02, 0.1),
     kl_rise=0.3,
@@ -133,7 +131,7 @@ SMALL = Action2MotionConfig(
     velocity_weight=1.0,
     contact_weight=2.0,
     normalise=True,
-    steps=9_500,
+    steps=16_000,
 )
 """What ships: half the frame rate and a wider generator, more terms in the loss."""
 

@@ -6,6 +6,7 @@ import copy
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,6 @@ from torch import Tensor
 from engines import actions as vocabulary
 from engines.action2motion.config import DECODERS, Action2MotionConfig, Decoder
 from engines.action2motion.model import Action2Motion
-from engines.action2motion.networks import rollout
 from engines.action2motion.output import Upsampler, to_motions
 from engines.action2motion.progress import progress_of
 from engines.action2motion.representation import encode
@@ -142,11 +142,11 @@ class Action2MotionEngine:
         plan = self._plan([(self._label(action), a.frames)])
         share = torch.linspace(0, 1, steps)[None, :, None]
         between = _spherical(a.values[:, None], b.values[:, None], share)
-        with torch.inference_mode():
-            if whole:
-                hidden = self.model.replay(self._conditions(plan, steps), between)
-            else:
-                hidden = self._from_first_latent(plan, between[:1], a.seed)
+        if whole:
+            hidden = self._replay(plan, between)
+        else:
+            noise = self._noise(a.seed, [0] * steps, plan.steps)
+            hidden, _ = self._sample(plan, torch.cat([self._noise_of(plan, between[:1]), noise[1:]]))
         parameters = {"variant": self.variant, "frames": a.frames, "interpolate": [a.seed, b.seed], "whole": whole}
         motions = self._motions(hidden, plan)
         return self._finished(motions, plan, a.seed, range(steps), parameters)
@@ -198,8 +198,7 @@ class Action2MotionEngine:
         for indices in _chunks(count, frames):
             start = given[:, None].expand(-1, len(indices), -1)
             noise = self._noise(seed, indices, plan.steps)
-            with torch.inference_mode():
-                hidden, _ = self.model.sample(self._conditions(plan, len(indices)), noise, start)
+            hidden, _ = self._sample(plan, noise, start)
             for whole in self._motions(hidden, plan, start):
                 results.append(_join(house[:keep], whole[begin : begin + frames - keep + 1]))
         labels = (Segment(0, keep, "action", house.label_at(0) or "given"), Segment(keep, frames, "action", plan.name))
@@ -235,21 +234,49 @@ class Action2MotionEngine:
             draws.append(torch.randn(steps, self.config.latent_size, generator=generator))
         return torch.stack(draws, dim=1)
 
-    def _sample(self, plan: _Plan, noise: Tensor) -> tuple[Tensor, Tensor]:
-        with torch.inference_mode():
-            return self.model.sample(self._conditions(plan, noise.shape[1]), noise)
+    def _sample(self, plan: _Plan, noise: Tensor, given: Tensor | None = None) -> tuple[Tensor, Tensor]:
+        """Hidden (T, B, H) and latents (T, B, Z) of draws from the prior; `given` (K, B, D) poses begin them."""
+        conditions = self._conditions(plan, noise.shape[1])
+        drawn = []
 
-    def _from_first_latent(self, plan: _Plan, first: Tensor, seed: int) -> Tensor:
-        """Hidden vectors of motions that share their draws but for the latent of the first pose (1, B, Z)."""
-        model, known = self.model, self._conditions(plan, first.shape[1])
-        start = torch.zeros_like(model.pose_mean).expand(first.shape[1], -1)
-        hidden, pose, state = model.generator.unroll(torch.cat([known[:1], first], dim=-1), start, model.feed)
-        if plan.steps == 1:
+        def run(rows: list[int], start: Tensor | None) -> Tensor:
+            hidden, latents = self.model.sample(conditions[rows], noise[rows], start)
+            drawn.append(latents)
             return hidden
-        prior_state = model.prior(torch.cat([start[None], known[:1]], dim=-1))[3]
-        noise = self._noise(seed, [0] * first.shape[1], plan.steps)[1:]
-        rest = rollout(model.prior, model.generator, model.feed, known[1:], noise, pose[0], prior_state, state)
-        return torch.cat([hidden, rest.hidden])
+
+        hidden = self._performed(plan, run, given)
+        return hidden, torch.cat([drawn[0], *(latents[1:] for latents in drawn[1:])])
+
+    def _replay(self, plan: _Plan, latents: Tensor) -> Tensor:
+        """Hidden (T, B, H) for latents (T, B, Z) chosen beforehand."""
+        conditions = self._conditions(plan, latents.shape[1])
+        return self._performed(plan, lambda rows, start: self.model.replay(conditions[rows], latents[rows], start))
+
+    def _performed(
+        self, plan: _Plan, run: Callable[[list[int], Tensor | None], Tensor], given: Tensor | None = None
+    ) -> Tensor:
+        """Hidden (T, B, H) of a plan, performance by performance.
+
+        An action that is done again begins again, with the pose the last performance ended in for its first: the
+        networks' memory would otherwise hold them at its end, as nothing they were trained on begins again.
+        """
+        hidden: list[Tensor] = []
+        with torch.inference_mode():
+            for part in plan.performances:
+                if hidden:
+                    again = run([part.start, *part], self.model.head(hidden[-1][-1:]))
+                    hidden.append(again[1:])
+                else:
+                    hidden.append(run(list(part), given))
+        return torch.cat(hidden)
+
+    def _noise_of(self, plan: _Plan, first: Tensor) -> Tensor:
+        """The draw (1, B, Z) that makes the prior give a latent (1, B, Z) for the first frame."""
+        known = self._conditions(plan, first.shape[1])[:1]
+        nothing = torch.zeros_like(self.model.pose_mean).expand(1, first.shape[1], -1)
+        with torch.inference_mode():
+            mu, logvar, _, _ = self.model.prior(torch.cat([nothing, known], dim=-1))
+            return (first - mu) * torch.exp(-0.5 * logvar)
 
     def _motions(self, hidden: Tensor, plan: _Plan, given: Tensor | None = None) -> list[Motion]:
         """Motions at the house rate from the generator's hidden vectors (T, B, H)."""
@@ -309,6 +336,13 @@ class _Plan:
     def steps(self) -> int:
         """Number of the model's frames."""
         return len(self.labels)
+
+    @property
+    def performances(self) -> list[range]:
+        """The model's frames of each time an action is done; where one action passes into another, memory goes on."""
+        again = (self.progress[1:] < self.progress[:-1]) & (self.labels[1:] == self.labels[:-1])
+        bounds = [0, *(int(frame) + 1 for frame in torch.nonzero(again)), self.steps]
+        return [range(a, b) for a, b in pairwise(bounds)]
 
     def until(self, steps: int) -> _Plan:
         """The plan cut, or held at its end, to so many of the model's frames."""

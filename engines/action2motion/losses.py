@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from engines.action2motion.config import Action2MotionConfig
-from engines.action2motion.model import Action2Motion
+from engines.action2motion.model import Action2Motion, Draws
 from engines.action2motion.representation import world_step
 
 
@@ -37,14 +37,8 @@ def losses(
 ) -> dict[str, Tensor]:
     """Every term, already weighted; their sum is what is minimised."""
     config = model.config
-    frames, count = batch.mask.shape
-    noise = torch.randn(frames, count, config.latent_size, generator=generator)
-    closed = round(config.closed_loop * count)
-    led = count - closed
-    forced = int(torch.bernoulli(torch.full((led,), config.teacher_forcing), generator=generator).sum())
-    noise[:, led:] *= config.closed_noise
     poses, (mu_q, logvar_q, mu_p, logvar_p) = model.reconstruct(
-        batch.vectors, batch.conditions, batch.positions, forced, noise, closed
+        batch.vectors, batch.conditions, batch.positions, draws(config, batch, generator)
     )
     terms = {
         # eq. 3.11: distance of every joint, summed over joints
@@ -67,6 +61,24 @@ def losses(
         slide = world_step(poses.positions, poses.velocity)[:, :, feet]
         terms["contact"] = config.contact_weight * (slide.square().sum(-1).add(1e-8).sqrt() * standing).sum(-1).mean()
     return terms
+
+
+def draws(config: Action2MotionConfig, batch: Batch, generator: torch.Generator) -> Draws:
+    """What is random in a pass over a batch."""
+    frames, count = batch.mask.shape
+    latent = torch.randn(frames, count, config.latent_size, generator=generator)
+    if not config.feed_rounds:
+        chances = torch.full((count,), config.teacher_forcing)
+        return Draws(latent, forced=int(torch.bernoulli(chances, generator=generator).sum()))
+    # some sequences are fed mostly their own poses, some hardly any, and some more noise than others
+    shares = torch.rand(count, generator=generator) * min(1.0, 2 * (1 - config.teacher_forcing))
+    spread = torch.rand(1, count, 1, generator=generator) * config.pose_noise
+    return Draws(
+        latent,
+        own=torch.rand(frames, count, generator=generator) < shares,
+        pose=torch.randn(frames, count, config.pose_size, generator=generator) * spread,
+        prior=torch.randn(frames, count, config.latent_size, generator=generator),
+    )
 
 
 def kl_weight(config: Action2MotionConfig, step: int) -> float:

@@ -24,7 +24,7 @@ import torch
 from torch import Tensor, nn
 
 from engines.action2motion.config import Action2MotionConfig
-from engines.action2motion.networks import GaussianGRU, GeneratorGRU, rollout, sample_latent
+from engines.action2motion.networks import GaussianGRU, GeneratorGRU, State, rollout, sample_latent
 from engines.action2motion.representation import VELOCITY_SIZE, local_positions
 
 
@@ -40,6 +40,22 @@ class Poses:
     """(T, B, J, 3, 3) local rotations; None for the plain decoder, which has none."""
     velocity: Tensor
     """(T, B, 3) root velocity a frame."""
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Everything random in one pass of training."""
+
+    latent: Tensor
+    """(T, B, Z) standard normal, for the posterior's latents."""
+    forced: int = 0
+    """The first so many sequences are teacher-forced."""
+    own: Tensor | None = None
+    """(T, B) where the model is fed its own pose; None: whole sequences, those that are not `forced`."""
+    pose: Tensor | None = None
+    """With `own`: (T, B, D) added to the fed poses."""
+    prior: Tensor | None = None
+    """With `own`: (T, B, Z) standard normal, for the prior's latents."""
 
 
 class PoseHead(nn.Module):
@@ -142,53 +158,60 @@ class Action2Motion(nn.Module):
             before = torch.cat([real_before, before[:, real_before.shape[1] :]], dim=1)
         return Poses(vectors, positions, matrices, self.velocity(hidden, positions, before) * self.velocity_std)
 
-    def reconstruct(  # noqa: PLR0913, PLR0917 - what is shown, and how the rows are led
-        self, vectors: Tensor, conditions: Tensor, real_positions: Tensor, forced: int, noise: Tensor, closed: int = 0
+    def reconstruct(
+        self, vectors: Tensor, conditions: Tensor, real_positions: Tensor, draws: Draws
     ) -> tuple[Poses, tuple[Tensor, Tensor, Tensor, Tensor]]:
-        """One pass of training.
+        """One pass of training, with latents of the posterior.
 
         Args:
             vectors: (T, B, D) real poses, unscaled.
             conditions: (T, B, C).
-            real_positions: (T, B, J, 3), for the velocity of teacher-forced rows.
-            forced: the first so many rows are teacher-forced.
-            noise: (T, B, Z) of the draws.
-            closed: the last so many rows run as in use: shown their first `config.lead` poses, they go on alone with
-                latents of the prior. The rows between feed themselves with latents of the posterior.
+            real_positions: (T, B, J, 3), for the velocity of teacher-forced sequences.
+            draws: everything random.
 
         Returns:
-            Poses (T, B, ...), and the Gaussians (mu_q, logvar_q, mu_p, logvar_p), each (T, B - closed, Z).
+            Poses (T, B, ...), and the Gaussians (mu_q, logvar_q, mu_p, logvar_p), each (T, B, Z).
         """
-        shown = torch.cat([real_positions[:1], real_positions[:-1]])[:, :forced]
-        if not closed:
-            hidden, gaussians = self._with_posterior(vectors, conditions, forced, noise)
-            return self.decode(hidden, shown), gaussians
-        led = vectors.shape[1] - closed
-        hidden, gaussians = self._with_posterior(vectors[:, :led], conditions[:, :led], forced, noise[:, :led])
-        alone, _ = self.sample(conditions[:, led:], noise[:, led:], vectors[: self.config.lead, led:])
-        return self.decode(torch.cat([hidden, alone], dim=1), shown), gaussians
-
-    def _with_posterior(
-        self, vectors: Tensor, conditions: Tensor, forced: int, noise: Tensor
-    ) -> tuple[Tensor, tuple[Tensor, Tensor, Tensor, Tensor]]:
-        """Hidden (T, B, H) of rows whose latents the posterior draws, teacher-forced or self-fed, and the Gaussians."""
         real = self.scaled(vectors)
         mu_q, logvar_q, _, _ = self.posterior(torch.cat([real, conditions], dim=-1))
-        known = torch.cat([conditions, sample_latent(mu_q, logvar_q, noise)], dim=-1)
-        before = torch.cat([torch.zeros_like(real[:1]), real[:-1]])
-        if self.config.detached_feed:
-            with torch.no_grad():
-                own = self.generator.unroll(known[:, forced:], torch.zeros_like(real[0, forced:]), self.feed)[1]
-            before = torch.cat([before[:, :forced], torch.cat([torch.zeros_like(own[:1]), own[:-1]])], dim=1)
-            hidden = self.generator(torch.cat([before, known], dim=-1))[0]
+        known = torch.cat([conditions, sample_latent(mu_q, logvar_q, draws.latent)], dim=-1)
+        if draws.own is None:
+            before, hidden = self._self_fed(real, known, draws.forced)
+            shown = _a_frame_later(real_positions)[:, : draws.forced]
         else:
-            rows = torch.cat([before[:, :forced], known[:, :forced]], dim=-1)
-            led = self.generator(rows)[0]
-            free, own, _ = self.generator.unroll(known[:, forced:], torch.zeros_like(real[0, forced:]), self.feed)
-            before = torch.cat([before[:, :forced], torch.cat([torch.zeros_like(own[:1]), own[:-1]])], dim=1)
-            hidden = torch.cat([led, free], dim=1)
+            before = self._partly_own(real, known, draws)
+            hidden, shown = self.generator(torch.cat([before, known], dim=-1))[0], None
         mu_p, logvar_p, _, _ = self.prior(torch.cat([before, conditions], dim=-1))
-        return hidden, (mu_q, logvar_q, mu_p, logvar_p)
+        return self.decode(hidden, shown), (mu_q, logvar_q, mu_p, logvar_p)
+
+    def _self_fed(self, real: Tensor, known: Tensor, forced: int) -> tuple[Tensor, Tensor]:
+        """Fed poses (T, B, D) and hidden (T, B, H): the first rows teacher-forced, the others fed with their own."""
+        before = _a_frame_later(real)[:, :forced]
+        led = self.generator(torch.cat([before, known[:, :forced]], dim=-1))[0]
+        free, own, _ = self.generator.unroll(known[:, forced:], torch.zeros_like(real[0, forced:]), self.feed)
+        return torch.cat([before, _a_frame_later(own)], dim=1), torch.cat([led, free], dim=1)
+
+    @torch.no_grad()
+    def _partly_own(self, real: Tensor, known: Tensor, draws: Draws) -> Tensor:
+        """Fed poses (T, B, D): real ones with noise on them and, where `draws.own`, what the model makes of such.
+
+        Half of the sequences take the latents for that from the prior, as in use: what the model makes there strays
+        from the real motion, and the loss teaches it the way back. (Parallel scheduled sampling, Duckworth et al.
+        2019, "Parallel Scheduled Sampling"; latents of the prior and noise are ours.)
+        """
+        assert draws.own is not None and draws.pose is not None and draws.prior is not None
+        start = _a_frame_later(real)
+        start[1:] += draws.pose[1:]
+        conditions = known[..., : self.config.condition_size]
+        mu, logvar, _, _ = self.prior(torch.cat([start, conditions], dim=-1))
+        half = real.shape[1] // 2
+        drawn = sample_latent(mu[:, :half], logvar[:, :half], draws.prior[:, :half])
+        latent = torch.cat([drawn, known[:, half:, self.config.condition_size :]], dim=1)
+        before = start
+        for _ in range(self.config.feed_rounds):
+            made = self.feed(self.generator(torch.cat([before, conditions, latent], dim=-1))[0])
+            before = torch.where(draws.own[..., None], _a_frame_later(made), start)
+        return before
 
     def sample(self, conditions: Tensor, noise: Tensor, given: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw from the prior, frame after frame.
@@ -206,25 +229,54 @@ class Action2Motion(nn.Module):
             first = torch.zeros_like(self.pose_mean).expand(conditions.shape[1], -1)
             drawn = rollout(self.prior, self.generator, self.feed, conditions, noise, first)
             return drawn.hidden, drawn.z
-        kept, real = len(given), self.scaled(given)
-        seen = conditions[:kept]
-        latent = self.posterior(torch.cat([real, seen], dim=-1))[0]
-        before = torch.cat([torch.zeros_like(real[:1]), real[:-1]])
-        prior_state = self.prior(torch.cat([before, seen], dim=-1))[3]
-        hidden, generator_state = self.generator(torch.cat([before, seen, latent], dim=-1))
+        led = self._led(given, conditions)
+        rest = len(given)
         drawn = rollout(
             self.prior,
             self.generator,
             self.feed,
-            conditions[kept:],
-            noise[kept:],
-            real[-1],
-            prior_state,
-            generator_state,
+            conditions[rest:],
+            noise[rest:],
+            self.scaled(given[-1]),
+            led.prior_state,
+            led.generator_state,
         )
-        return torch.cat([hidden, drawn.hidden]), torch.cat([latent, drawn.z])
+        return torch.cat([led.hidden, drawn.hidden]), torch.cat([led.latent, drawn.z])
 
-    def replay(self, conditions: Tensor, latents: Tensor) -> Tensor:
-        """Hidden (T, B, H) of the generator for latents (T, B, Z) chosen beforehand (interpolation)."""
-        first = torch.zeros_like(self.pose_mean).expand(conditions.shape[1], -1)
-        return self.generator.unroll(torch.cat([conditions, latents], dim=-1), first, self.feed)[0]
+    def replay(self, conditions: Tensor, latents: Tensor, given: Tensor | None = None) -> Tensor:
+        """Hidden (T, B, H) of the generator for latents (T, B, Z) chosen beforehand (interpolation).
+
+        `given` is as in `sample`; the latents of its frames are not looked at.
+        """
+        known = torch.cat([conditions, latents], dim=-1)
+        if given is None:
+            first = torch.zeros_like(self.pose_mean).expand(conditions.shape[1], -1)
+            return self.generator.unroll(known, first, self.feed)[0]
+        led = self._led(given, conditions)
+        rest = known[len(given) :]
+        after = self.generator.unroll(rest, self.scaled(given[-1]), self.feed, led.generator_state)[0]
+        return torch.cat([led.hidden, after])
+
+    def _led(self, given: Tensor, conditions: Tensor) -> _Led:
+        """The networks after they were shown poses (K, B, D)."""
+        real, seen = self.scaled(given), conditions[: len(given)]
+        latent = self.posterior(torch.cat([real, seen], dim=-1))[0]
+        before = _a_frame_later(real)
+        prior_state = self.prior(torch.cat([before, seen], dim=-1))[3]
+        hidden, generator_state = self.generator(torch.cat([before, seen, latent], dim=-1))
+        return _Led(hidden, latent, prior_state, generator_state)
+
+
+@dataclass(frozen=True)
+class _Led:
+    """The networks after they were shown poses: hidden (K, B, H), latents (K, B, Z) and their states."""
+
+    hidden: Tensor
+    latent: Tensor
+    prior_state: State
+    generator_state: State
+
+
+def _a_frame_later(values: Tensor) -> Tensor:
+    """(T, ...) shifted by one frame, zeros first: what was there a frame before."""
+    return torch.cat([torch.zeros_like(values[:1]), values[:-1]])

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from engines.errors import OutOfRangeError
+from engines.geometry import planes
 from engines.geometry.kinematics import depth_levels
 from engines.geometry.so3 import vee
 from engines.skeletons import SMPL22
@@ -39,24 +39,7 @@ TRACE_SLACK = 1e-4
 
 def exp(rotvec: Tensor) -> Tensor:
     """Rodrigues' formula with a floored angle: (..., 3) radians -> (..., 3, 3)."""
-    return _exp_planes(rotvec.movedim(-1, 0)).movedim((0, 1), (-2, -1))
-
-
-def _exp_planes(rotvec: Tensor) -> Tensor:
-    """`exp` with the components in front: (3, ...) -> (3, 3, ...), several times faster than 3 x 3 products."""
-    x, y, z = rotvec
-    xx, yy, zz = x * x, y * y, z * z
-    angle = (xx + yy + zz).clamp(min=SQUARED_ANGLE_FLOOR).sqrt()
-    inverse = 1 / angle
-    first, second = inverse * torch.sin(angle), inverse * inverse * (1 - torch.cos(angle))
-    ax, ay, az = first * x, first * y, first * z
-    bxy, bxz, byz = second * (x * y), second * (x * z), second * (y * z)
-    planes = [
-        1 - second * (yy + zz), bxy - az, bxz + ay,
-        bxy + az, 1 - second * (xx + zz), byz - ax,
-        bxz - ay, byz + ax, 1 - second * (xx + yy),
-    ]  # fmt: skip
-    return torch.stack(planes).unflatten(0, (3, 3))
+    return planes.exp(rotvec.movedim(-1, 0), SQUARED_ANGLE_FLOOR).movedim((0, 1), (-2, -1))
 
 
 def log(matrix: Tensor) -> Tensor:
@@ -120,15 +103,6 @@ class OfficialSkeleton:
         starts = {chain[1] for chain in self.chains}
         return tuple(0 if joint in starts else parent for joint, parent in enumerate(self.parents))
 
-    @cached_property
-    def _paths(self) -> np.ndarray:
-        """(J, J) ones where the second joint's bone lies between the root and the first joint."""
-        paths = np.zeros((len(self), len(self)))
-        for joint in range(1, len(self)):
-            paths[joint] = paths[self.parents[joint]]
-            paths[joint, joint] = 1.0
-        return paths
-
     def bones(self, joints: Tensor) -> Tensor:
         """Joint positions (..., J, 3) -> vectors (..., J, 3) from each joint's parent to it, the root's zero."""
         return joints - joints[..., [max(parent, 0) for parent in self.parents], :]
@@ -183,25 +157,13 @@ class OfficialSkeleton:
         # all components in front and frames last, so that every operation runs over long rows
         vectors = lie.reshape(-1, *lie.shape[-2:]).permute(2, 1, 0).contiguous()  # (3, J, N)
         offsets = translations.expand_as(lie).reshape(-1, *lie.shape[-2:]).permute(2, 1, 0)
-        world = self._world_planes(_exp_planes(vectors), root_rotation)  # (3, 3, J, N)
-        bones = world[:, 0] * offsets[0] + world[:, 1] * offsets[1] + world[:, 2] * offsets[2]
-        places = torch.from_numpy(self._paths).to(bones) @ bones  # sums the bones from the root to each joint
-        return root[..., None, :] + places.permute(2, 1, 0).reshape(lie.shape)
-
-    def _world_planes(self, local: Tensor, root_rotation: bool) -> Tensor:
-        """Local rotations (3, 3, J, N) accumulated down the chains, same shape, a tree level at a time."""
-        first = local[:, :, :1]
+        local = planes.exp(vectors, SQUARED_ANGLE_FLOOR)  # (3, 3, J, N)
         if not root_rotation:
-            first = torch.eye(3, dtype=local.dtype, device=local.device)[..., None, None].expand_as(first)
-        levels = depth_levels(self.rotation_parents)
-        worlds = [first]
-        for above, level in pairwise(levels):
-            parents = worlds[-1][:, :, [above.index(self.rotation_parents[joint]) for joint in level]]
-            turns = local[:, :, list(level)]
-            products = [parents[:, k, None] * turns[None, k] for k in range(3)]
-            worlds.append(products[0] + products[1] + products[2])
-        order = [joint for level in levels for joint in level]
-        return torch.cat(worlds, dim=2)[:, :, [order.index(joint) for joint in range(len(self))]]
+            first = torch.eye(3, dtype=local.dtype, device=local.device)[..., None, None].expand_as(local[:, :, :1])
+            local = torch.cat([first, local[:, :, 1:]], dim=2)
+        bones = planes.turn(planes.world(local, self.rotation_parents), offsets)
+        places = planes.place(bones, self.parents)
+        return root[..., None, :] + places.permute(2, 1, 0).reshape(lie.shape)
 
     def _offsets(self, like: Tensor) -> Tensor:
         return torch.tensor(self.offsets, dtype=like.dtype, device=like.device)

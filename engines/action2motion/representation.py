@@ -12,10 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from roma import rotvec_to_rotmat
 from torch import Tensor
 
-from engines.geometry import kinematics, rotations
+from engines.geometry import planes, rotations
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 
@@ -79,10 +78,9 @@ def local_positions(height: Tensor, lie: Tensor) -> tuple[Tensor, Tensor]:
         height: (..., 1) of the root, metres.
         lie: (..., J, 3) so(3) parameters, radians.
     """
-    matrices = rotvec_to_rotmat(lie)
-    root = torch.nn.functional.pad(height, (1, 1))
     offsets = torch.tensor(SMPL22.offsets, dtype=lie.dtype, device=lie.device)
-    return kinematics.forward_kinematics(matrices, root, offsets, SMPL22.parents)[0], matrices
+    positions, matrices = planes.forward_kinematics(lie, offsets, SMPL22.parents)
+    return positions + torch.nn.functional.pad(height, (1, 1))[..., None, :], matrices
 
 
 def decode(height: np.ndarray, matrices: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import socket
 import subprocess
 import sys
@@ -15,13 +14,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 ROOT = Path(__file__).resolve().parents[2]
-FLAGS = [
-    "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-    "--disable-background-networking", "--disable-component-update", "--no-first-run", "--disable-sync",
-]  # fmt: skip
 # a machine without a GPU draws the stage in software while the engine works
 PATIENCE = 60_000
 expect.set_options(timeout=PATIENCE / 2)
@@ -44,10 +39,13 @@ def free_port() -> int:
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """`motionloom studio` as a person starts it."""
     port = free_port()
-    log = tmp_path_factory.mktemp("studio") / "server.log"
+    folder = tmp_path_factory.mktemp("studio")
+    log = folder / "server.log"
     command = [sys.executable, "-m", "studio.cli", "studio", "--port", str(port), "--no-browser"]
     with log.open("w") as out:
-        server = subprocess.Popen(command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT)
+        server = subprocess.Popen(
+            command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, env=os.environ | {"TMPDIR": str(folder)}
+        )
     url = f"http://127.0.0.1:{port}/"
     try:
         wait_for(lambda: server.poll() is not None or _answers(url), "the server to answer")
@@ -57,6 +55,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         server.terminate()
         server.wait(20)
     assert "Traceback" not in log.read_text(), log.read_text()
+    assert not list(folder.glob("motionloom-*")), "files of sessions are left behind"
 
 
 def _answers(url: str) -> bool:
@@ -73,17 +72,6 @@ def wait_for(true: Callable[[], object], what: str, seconds: float = 60.0) -> No
     while not true():
         assert time.monotonic() < end, f"waited {seconds:g} s for {what}"
         time.sleep(0.1)
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    path = os.environ.get("MOTIONLOOM_CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
-    if path is None:
-        pytest.skip("no Chromium: install it or set MOTIONLOOM_CHROMIUM")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 class Tab:
@@ -127,9 +115,9 @@ class Tab:
 
 
 @pytest.fixture
-def context(browser: Browser) -> Iterator[BrowserContext]:
+def context(chromium: Browser) -> Iterator[BrowserContext]:
     # the takes stand still, since drawing them in software would take the engine's time; one test lets them move
-    made = browser.new_context(viewport={"width": 1280, "height": 720}, accept_downloads=True, reduced_motion="reduce")
+    made = chromium.new_context(viewport={"width": 1280, "height": 720}, accept_downloads=True, reduced_motion="reduce")
     yield made
     made.close()
 

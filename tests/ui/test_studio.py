@@ -33,8 +33,8 @@ def download(tab: Tab, start) -> object:
     return waiting.value
 
 
-def test_a_newcomer_sees_four_people_walk(browser, address):
-    context = browser.new_context(viewport={"width": 1280, "height": 720}, reduced_motion="no-preference")
+def test_a_newcomer_sees_four_people_walk(chromium, address):
+    context = chromium.new_context(viewport={"width": 1280, "height": 720}, reduced_motion="no-preference")
     tab = Tab(context.new_page(), address).open()
     page = tab.page
     assert page.title() == "Untitled scene · motionloom"
@@ -213,8 +213,8 @@ def test_a_file_dropped_anywhere_is_imported(tab, tmp_path):
     expect(page.get_by_text(re.compile("Imported bow.bvh"))).to_be_visible()
 
 
-def test_two_people_at_once(tab, browser, address):
-    other_context = browser.new_context(viewport={"width": 1280, "height": 720})
+def test_two_people_at_once(tab, chromium, address):
+    other_context = chromium.new_context(viewport={"width": 1280, "height": 720})
     try:
         other = Tab(other_context.new_page(), address).open()
         generate(other, "kick")
@@ -289,8 +289,8 @@ def test_help_opens_and_closes(tab):
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1440, 900), (1920, 1080)])
-def test_everything_fits(browser, address, width, height):
-    context = browser.new_context(viewport={"width": width, "height": height})
+def test_everything_fits(chromium, address, width, height):
+    context = chromium.new_context(viewport={"width": width, "height": height})
     try:
         tab = Tab(context.new_page(), address).open()
         overflow = (

@@ -147,13 +147,44 @@ def test_what_is_refused_and_what_is_near(engine) -> None:
 
 
 @every_decoder
-@pytest.mark.parametrize("frames", [1, 24])
-def test_the_ends_of_an_interpolation_are_the_draws(decoder: str, frames: int) -> None:
+@pytest.mark.parametrize(("action", "frames"), [("walk", 1), ("walk", 24), ("throw", 100)])
+@pytest.mark.parametrize("whole", [True, False])
+def test_the_ends_of_an_interpolation_are_the_draws(decoder: str, action: str, frames: int, whole: bool) -> None:
     made = tiny.engine(decoder)
-    between = made.interpolate("walk", made.latents("walk", 1, frames), made.latents("walk", 2, frames), steps=3)
+    a, b = made.latents(action, 1, frames), made.latents(action, 2, frames)
+    between = made.interpolate(action, a, b, steps=3, whole=whole)
     assert len(between) == 3
-    for end, seed in ((between[0], 1), (between[-1], 2)):
-        assert_close(end, made.generate("walk", frames=frames, seed=seed))
+    assert_close(between[0], made.generate(action, frames=frames, seed=1))
+    if whole:
+        assert_close(between[-1], made.generate(action, frames=frames, seed=2))
+
+
+# ---- done again -----------------------------------------------------------------------------------------------
+
+
+@every_decoder
+def test_an_action_is_done_again_from_the_pose_it_ended_in(decoder: str) -> None:
+    """The second performance is an own sample of the model, given the last pose of the first."""
+    made = tiny.engine(decoder)
+    plan = made._plan([(made._label("throw"), 100)])
+    first, *others = plan.performances
+    assert others and first.start == 0 and others[-1].stop == plan.steps
+    conditions, noise = made._conditions(plan, 2), made._noise(3, range(2), plan.steps)
+    hidden, latents = made._sample(plan, noise)
+    assert latents.shape == noise.shape
+    alone, _ = made.model.sample(conditions[: first.stop], noise[: first.stop])
+    torch.testing.assert_close(hidden[: first.stop], alone)
+    second = others[0]
+    rows = [second.start, *second]
+    again, _ = made.model.sample(conditions[rows], noise[rows], made.model.head(alone[-1:]))
+    torch.testing.assert_close(hidden[second.start : second.stop], again[1:])
+    assert float(conditions[second.start, 0, -1]) == 0.0
+
+
+def test_what_goes_on_is_one_performance(engine) -> None:
+    assert len(engine._plan([(engine._label("walk"), 2000)]).performances) == 1
+    both = engine._plan([(engine._label("throw"), 20), (engine._label("wave left hand"), 20)])
+    assert len(both.performances) == 1, "memory goes on from one action to another"
 
 
 def test_the_middle_lies_between(engine) -> None:

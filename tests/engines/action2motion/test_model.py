@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from engines.action2motion.config import DECODERS, PAPER, SMALL, Action2MotionConfig, preset
-from engines.action2motion.model import GLMI, Action2Motion, DirectVelocity
+from engines.action2motion.model import GLMI, Action2Motion, DirectVelocity, Draws
 from engines.action2motion.networks import sample_latent
 from engines.action2motion.representation import local_positions
 from engines.errors import CheckpointError, UnknownLabelError
@@ -44,11 +44,10 @@ def stepped(made: Action2Motion, row: int, forced: bool) -> tuple[Tensor, Tensor
 
 
 @every_decoder
-@pytest.mark.parametrize("detached", [True, False], ids=["detached", "through"])
-def test_the_training_pass_equals_the_loop(decoder: str, detached: bool) -> None:
-    made, forced = model(decoder, detached_feed=detached), 2
+def test_the_training_pass_equals_the_loop(decoder: str) -> None:
+    made, forced = model(decoder), 2
     vectors, conditions, positions, noise = inputs(made)
-    poses, (_, _, mu_p, logvar_p) = made.reconstruct(vectors, conditions, positions, forced, noise)
+    poses, (_, _, mu_p, logvar_p) = made.reconstruct(vectors, conditions, positions, Draws(noise, forced))
     for row in range(B):
         _, expected, mu, logvar = stepped(made, row, forced=row < forced)
         torch.testing.assert_close(poses.vectors[:, row : row + 1], expected, atol=1e-5, rtol=1e-4)
@@ -56,27 +55,51 @@ def test_the_training_pass_equals_the_loop(decoder: str, detached: bool) -> None
         torch.testing.assert_close(logvar_p[:, row : row + 1], logvar, atol=1e-5, rtol=1e-4)
 
 
-@every_decoder
-def test_a_detached_feed_changes_gradients_only(decoder: str) -> None:
-    gradients, values = [], []
-    for detached in (True, False):
-        made = model(decoder, detached_feed=detached)
-        vectors, conditions, positions, noise = inputs(made)
-        poses, _ = made.reconstruct(vectors, conditions, positions, 1, noise)
-        values.append(poses)
-        weights = made.head.output.weight
-        gradients.append(torch.autograd.grad(poses.positions.square().sum(), weights)[0])
-    torch.testing.assert_close(values[0].vectors, values[1].vectors, atol=1e-5, rtol=1e-4)
-    torch.testing.assert_close(values[0].velocity, values[1].velocity, atol=1e-5, rtol=1e-4)
-    assert (gradients[0] - gradients[1]).abs().max() > 1e-4
+def partly(made: Action2Motion, noise: Tensor, own: Tensor, pose: float = 0.0) -> Draws:
+    generator = torch.Generator().manual_seed(9)
+    shifts = pose * torch.randn(T, B, made.config.pose_size, generator=generator)
+    return Draws(noise, own=own, pose=shifts, prior=torch.randn(noise.shape, generator=generator))
 
 
 @every_decoder
-@pytest.mark.parametrize("detached", [True, False])
-def test_gradients_reach_every_parameter(decoder: str, detached: bool) -> None:
-    made = model(decoder, detached_feed=detached)
+@pytest.mark.parametrize("rounds", [1, 2])
+def test_poses_fed_in_rounds(decoder: str, rounds: int) -> None:
+    """n rounds make the first n + 1 frames those of the loop, where latents are the posterior's."""
+    made = model(decoder, feed_rounds=rounds)
     vectors, conditions, positions, noise = inputs(made)
-    poses, gaussians = made.reconstruct(vectors, conditions, positions, 2, noise)
+    all_own = torch.ones(T, B, dtype=torch.bool)
+    by_rounds, _ = made.reconstruct(vectors, conditions, positions, partly(made, noise, all_own))
+    by_loop, _ = made.reconstruct(vectors, conditions, positions, Draws(noise, forced=0))
+    half = B // 2
+    frames = rounds + 1  # each round makes one more frame of the chain its own
+    torch.testing.assert_close(by_rounds.vectors[:frames, half:], by_loop.vectors[:frames, half:], atol=1e-5, rtol=1e-4)
+    assert (by_rounds.vectors[frames:, half:] - by_loop.vectors[frames:, half:]).abs().max() > 1e-4
+    assert (by_rounds.vectors[1:, :half] - by_loop.vectors[1:, :half]).abs().max() > 1e-4, "latents of the prior"
+
+
+@every_decoder
+def test_nothing_of_its_own_and_no_noise_is_teacher_forcing(decoder: str) -> None:
+    made = model(decoder, feed_rounds=1)
+    vectors, conditions, positions, noise = inputs(made)
+    none_own = torch.zeros(T, B, dtype=torch.bool)
+    partly_fed, gaussians = made.reconstruct(vectors, conditions, positions, partly(made, noise, none_own))
+    forced, expected = made.reconstruct(vectors, conditions, positions, Draws(noise, forced=B))
+    torch.testing.assert_close(partly_fed.vectors, forced.vectors)
+    for ours, theirs in zip(gaussians, expected, strict=True):
+        torch.testing.assert_close(ours, theirs)
+    noisy, _ = made.reconstruct(vectors, conditions, positions, partly(made, noise, none_own, pose=0.3))
+    torch.testing.assert_close(noisy.vectors[0], forced.vectors[0])
+    assert (noisy.vectors[1:] - forced.vectors[1:]).abs().max() > 1e-3
+
+
+@every_decoder
+@pytest.mark.parametrize("rounds", [0, 1])
+def test_gradients_reach_every_parameter(decoder: str, rounds: int) -> None:
+    made = model(decoder, feed_rounds=rounds)
+    vectors, conditions, positions, noise = inputs(made)
+    mixed = torch.rand(T, B, generator=torch.Generator().manual_seed(1)) < 0.5
+    given = partly(made, noise, mixed, pose=0.1) if rounds else Draws(noise, forced=2)
+    poses, gaussians = made.reconstruct(vectors, conditions, positions, given)
     assert poses.positions.shape == (T, B, J, 3)
     assert poses.velocity.shape == (T, B, 3)
     assert poses.vectors.shape == (T, B, made.config.pose_size)
@@ -160,6 +183,9 @@ def test_a_sample_replays_from_its_latents(decoder: str) -> None:
         torch.testing.assert_close(made.replay(conditions, latents), hidden, atol=1e-5, rtol=1e-4)
         one, _ = made.sample(conditions[:, :1], noise[:, :1])
         torch.testing.assert_close(one, hidden[:, :1], atol=1e-5, rtol=1e-4)
+        shown = made.head(hidden[:2])
+        led, drawn = made.sample(conditions, noise, shown)
+        torch.testing.assert_close(made.replay(conditions, drawn, shown), led, atol=1e-5, rtol=1e-4)
     assert latents.shape == noise.shape
 
 
@@ -172,7 +198,7 @@ def test_a_given_start_is_what_teacher_forcing_sees(decoder: str, kept: int) -> 
     with torch.inference_mode():
         hidden, latents = made.sample(conditions, noise, vectors[:kept])
         silent = torch.zeros_like(noise[:kept])
-        led, (mu_q, *_) = made.reconstruct(vectors[:kept], conditions[:kept], positions[:kept], B, silent)
+        led, (mu_q, *_) = made.reconstruct(vectors[:kept], conditions[:kept], positions[:kept], Draws(silent, forced=B))
         torch.testing.assert_close(made.head(hidden[:kept]), led.vectors, atol=1e-5, rtol=1e-4)
         torch.testing.assert_close(latents[:kept], mu_q, atol=1e-5, rtol=1e-4)
         poses = made.decode(hidden, given=vectors[:kept])
