@@ -5,6 +5,7 @@ NumPy only. Every engine, reader, viewer and exporter speaks it; none speaks to 
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -85,15 +86,15 @@ class Motion:
             raise SkeletonError(f"translation has shape {path.shape}; accepted: ({len(turns)}, 3).")
         if len(turns) == 0:
             raise OutOfRangeError("number of frames", 0, "1 or more")
-        if not (np.isfinite(turns).all() and np.isfinite(path).all()):
+        squared = np.einsum("tjc,tjc->tj", turns, turns)  # several times faster than a norm over four
+        if not (np.isfinite(squared).all() and np.isfinite(path).all()):
             raise SkeletonError("rotations and translation hold values that are not finite numbers.")
         if not np.isfinite(self.fps) or self.fps <= 0:
             raise OutOfRangeError("fps", self.fps, "a positive number")
-        norm = np.linalg.norm(turns, axis=-1, keepdims=True)
-        if (norm < 1e-6).any():
+        if (squared < 1e-12).any():
             raise SkeletonError("rotations hold zero quaternions; accepted: unit quaternions wxyz.")
-        if np.abs(norm - 1.0).max() > 1e-12:
-            turns = turns / norm
+        if np.abs(squared - 1.0).max() > 2e-12:
+            turns /= np.sqrt(squared)[..., None]
         for array in (turns, path):
             array.setflags(write=False)
         object.__setattr__(self, "rotations", turns)
@@ -163,8 +164,13 @@ class Motion:
     # ---- operations, each giving a new Motion ------------------------------------------------------------
 
     def replaced(self, **changes: Any) -> Motion:
-        """A copy with some fields changed (checked again)."""
-        return replace(self, **changes)
+        """A copy with some fields changed (checked again, where they are the movement itself)."""
+        if not changes.keys() <= {"labels", "provenance"}:
+            return replace(self, **changes)
+        made = copy.copy(self)  # the arrays cannot be written to, so two motions may share them and what follows
+        for name, value in changes.items():
+            object.__setattr__(made, name, tuple(value) if name == "labels" else value)
+        return made
 
     def labelled(self, value: str, kind: LabelKind = "action") -> Motion:
         """The whole motion under one more label."""

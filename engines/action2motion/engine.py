@@ -31,7 +31,7 @@ HOUSE_FPS = 20.0
 MAX_FRAMES = 12_000
 """Ten minutes."""
 MAX_COUNT = 1024
-_CHUNK = 64
+_CHUNK = 320
 """At most so many motions are generated together: lets progress and cancel be heard."""
 _CHUNK_FRAMES = 64 * 600
 """And of long ones so many that they have no more frames than this: bounds memory."""

@@ -16,6 +16,7 @@ from engines.errors import OutOfRangeError, UnknownLabelError
 from engines.motion import Motion
 from viewers import bodies
 from viewers.bodies.body import Body
+from viewers.scene import PALETTE
 from viewers.web import payload
 from viewers.web.payload import Actor
 
@@ -151,10 +152,11 @@ def actors_of(motions: Motions, labels: Sequence[str] | None = None) -> tuple[Ac
     if labels is not None and len(labels) != len(given):
         raise OutOfRangeError("number of labels", len(labels), f"one for each of the {len(given)} motions")
     names = labels or ([f"Take {i + 1}" for i in range(len(given))] if len(given) > 1 else [""] * len(given))
+    colours = [payload.SKIN] if len(given) == 1 else PALETTE
     cast = []
     for i, (item, name) in enumerate(zip(given, names, strict=True)):
         actor = item if isinstance(item, Actor) else Actor(item)
-        colour = actor.colour or payload.PALETTE[i % len(payload.PALETTE)]
+        colour = actor.colour or colours[i % len(colours)]
         cast.append(replace(actor, name=name if labels else actor.name or name, colour=colour))
     return tuple(cast)
 

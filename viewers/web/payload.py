@@ -49,11 +49,8 @@ UNIT_STEPS = 32767
 POSITION_STEPS = 65535
 BYTE_STEPS = 255
 
-PALETTE = (
-    "#d9b38c", "#86a9c9", "#8fbf9f", "#b99ad6", "#dc8f85", "#7fc0c4", "#d6c27a", "#d692b4",
-    "#a8b0bd", "#9fb86a", "#8d92d8", "#cf9a63", "#6fb3a0", "#c77f9b", "#91a7e0", "#bfa58f",
-)  # fmt: skip
-"""Colours of the actors, in order, where none are given."""
+SKIN = "#d9b38c"
+"""Colour of an actor on its own; several have those of `viewers.scene.PALETTE`, as in rendered pictures."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ class Actor:
     name: str = ""
     """Shown under the figure; empty: the player's choice."""
     colour: str = ""
-    """CSS colour `#rrggbb`; empty: the next of `PALETTE`."""
+    """CSS colour `#rrggbb`; empty: `SKIN` alone, the next of the palette beside others."""
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the player puts it, metres, on top of the arrangement."""
 
@@ -187,7 +184,7 @@ def _describe_actor(actor: Actor, skeleton: int) -> dict[str, Any]:
     motion = actor.motion
     return {
         "name": actor.name,
-        "colour": actor.colour or PALETTE[0],
+        "colour": actor.colour or SKIN,
         "offset": [float(x) for x in actor.offset],
         "fps": motion.fps,
         "frames": len(motion),

@@ -19,6 +19,7 @@ from engines.motion import Motion
 from engines.skeletons import SMPL22, Skeleton
 from tests.viewers.web.synthetic import walk
 from viewers import bodies
+from viewers.scene import PALETTE
 from viewers.web import controls, payload
 from viewers.web.controls import BUNDLE, FROM_BROWSER, OPTIONS, PAYLOADS
 from viewers.web.jupyter import MotionPlayer
@@ -104,8 +105,9 @@ def test_values_set_later_are_checked_too(kind: Any):
 def test_names_and_colours():
     plain, named = controls.actors_of([walk(1.0), Actor(walk(1.0), "b", "#ff0000")])
     assert (plain.name, named.name) == ("Take 1", "b")
-    assert (plain.colour, named.colour) == (payload.PALETTE[0], "#ff0000")
-    assert controls.actors_of(walk(1.0))[0].name == ""
+    assert (plain.colour, named.colour) == (PALETTE[0], "#ff0000")
+    alone = controls.actors_of(walk(1.0))[0]
+    assert (alone.name, alone.colour) == ("", payload.SKIN)
     assert [a.name for a in controls.actors_of([walk(1.0)] * 2, ["x", "y"])] == ["x", "y"]
 
 
