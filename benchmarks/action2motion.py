@@ -9,7 +9,7 @@ that calls one cell after another and turns one joint after another. Beside them
 from `golden/reference-times.json` of the shared folder, where there is one: another run, so a scale, no more.
 
 Training: one step (losses, gradients, Adam, moving average) of the presets, batch 128, on random numbers of the right
-sizes, against the same model stepped frame by frame with forward kinematics in every frame, both checked to lose the
+sizes, against the same model stepped one GRU cell, one frame and one joint after another, both checked to lose the
 same. Ways take turns; medians of wall and of processor time, the steadier one on a machine that others use.
 """
 
@@ -18,21 +18,24 @@ from __future__ import annotations
 import argparse
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import torch
 from official_action2motion import CASES, PlainWay, model, reference_times
+from roma import rotvec_to_rotmat
 from torch import Tensor
 from torch.nn.functional import one_hot
 
 import engines
 from engines.action2motion.config import PAPER, SMALL, Action2MotionConfig
 from engines.action2motion.losses import Batch, losses
-from engines.action2motion.model import Action2Motion, Poses
-from engines.action2motion.networks import sample_latent
+from engines.action2motion.model import Action2Motion
+from engines.action2motion.networks import EmbeddedGRU
 from engines.action2motion.representation import local_positions
 from engines.action2motion.train import FEET
+from engines.skeletons import SMPL22
 from engines.training.loop import TrainingPlan, TrainingState, train
 
 Times = dict[str, tuple[float, float]]
@@ -102,31 +105,36 @@ def _row(made: Times) -> str:
 
 
 class PlainModel(Action2Motion):
-    """The same parameters in a straightforward program: a frame at a time, kinematics and GLMI in each."""
+    """The same parameters in a straightforward program: one GRU cell, one frame, one joint after another."""
 
-    def reconstruct(self, vectors: Tensor, conditions: Tensor, real_positions: Tensor, forced: int, noise: Tensor):
-        """As `Action2Motion.reconstruct`, gradients through what is fed back unless the config says otherwise."""
-        real = self.scaled(vectors)
-        batch = real.shape[1]
-        states = [network.initial_state(batch) for network in (self.posterior, self.prior, self.generator)]
-        pose, before, frames = torch.zeros_like(real[0]), None, []
-        for t in range(len(real)):
-            seen = torch.cat([pose, conditions[t]], dim=1)
-            mu_q, logvar_q, states[0] = self.posterior.step(torch.cat([real[t], conditions[t]], dim=1), states[0])
-            mu_p, logvar_p, states[1] = self.prior.step(seen, states[1])
-            z = sample_latent(mu_q, logvar_q, noise[t])
-            hidden, states[2] = self.generator.step(torch.cat([seen, z], dim=1), states[2])
-            vector = self.head(hidden)
-            positions, matrices = local_positions(vector[:, :1], vector[:, 1:].unflatten(-1, (self.config.joints, 3)))
-            shown = positions if before is None else before
-            shown = torch.cat([real_positions[max(t - 1, 0), :forced], shown[forced:]])
-            velocity = self.velocity(hidden[None], positions[None], shown[None])[0] * self.velocity_std
-            frames.append((vector, positions, matrices, velocity, mu_q, logvar_q, mu_p, logvar_p))
-            own = self.scaled(vector)
-            own = own.detach() if self.config.detached_feed else own
-            pose, before = torch.cat([real[t, :forced], own[forced:]]), positions
-        parts = [torch.stack(part) for part in zip(*frames, strict=True)]
-        return Poses(*parts[:4]), tuple(parts[4:])
+    def __init__(self, config: Action2MotionConfig) -> None:
+        super().__init__(config)
+        for network in (self.prior, self.posterior, self.generator):
+            network.hidden_sequence = partial(_one_after_another, network)
+
+    def joints(self, vectors: Tensor) -> tuple[Tensor, Tensor | None]:
+        """As `Action2Motion.joints`."""
+        made = [_turn_joint_by_joint(frame) for frame in vectors.unbind(0)]
+        return torch.stack([p for p, _ in made]), torch.stack([m for _, m in made])
+
+
+def _one_after_another(network: EmbeddedGRU, x: Tensor, state: Sequence[Tensor] | None = None):
+    hidden = []
+    for frame in x.unbind(0):
+        state = network.hidden_step(frame, state)
+        hidden.append(state[-1])
+    return torch.stack(hidden), state
+
+
+def _turn_joint_by_joint(vectors: Tensor) -> tuple[Tensor, Tensor]:
+    local = [rotvec_to_rotmat(vectors[:, 1 + 3 * joint : 4 + 3 * joint]) for joint in range(len(SMPL22))]
+    root = torch.nn.functional.pad(vectors[:, :1], (1, 1))
+    world, places = [local[0]], [root + root.new_tensor(SMPL22.offsets[0])]
+    for joint in range(1, len(SMPL22)):
+        above = SMPL22.parents[joint]
+        world.append(world[above] @ local[joint])
+        places.append(places[above] + world[above] @ root.new_tensor(SMPL22.offsets[joint]))
+    return torch.stack(places, dim=1), torch.stack(local, dim=1)
 
 
 def random_batch(config: Action2MotionConfig) -> Batch:

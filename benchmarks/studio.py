@@ -22,8 +22,8 @@ from playwright.sync_api import Page, sync_playwright
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.conftest import CHROMIUM_FLAGS
-from tests.ui.conftest import _answers, free_port, wait_for
+from tests.conftest import CHROMIUM_FLAGS  # noqa: E402 - no package, found through the line above
+from tests.ui.conftest import _answers, free_port, wait_for  # noqa: E402
 
 
 def timed(act: Callable[[], object]) -> float:

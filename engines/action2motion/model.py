@@ -137,6 +137,12 @@ class Action2Motion(nn.Module):
         """Hidden (B, H) -> the next frame's previous pose, scaled (B, D)."""
         return self.scaled(self.head(hidden))
 
+    def joints(self, vectors: Tensor) -> tuple[Tensor, Tensor | None]:
+        """Pose vectors (..., D) -> joints (..., J, 3) in the heading frame and local rotations (..., J, 3, 3)."""
+        if self.config.decoder == "plain":
+            return vectors.unflatten(-1, (self.config.joints, 3)), None
+        return local_positions(vectors[..., :1], vectors[..., 1:].unflatten(-1, (self.config.joints, 3)))
+
     def decode(self, hidden: Tensor, real_before: Tensor | None = None, given: Tensor | None = None) -> Poses:
         """All frames at once: hidden (T, B, H) -> poses and velocity.
 
@@ -148,11 +154,7 @@ class Action2Motion(nn.Module):
         vectors = self.head(hidden)
         if given is not None:
             vectors = torch.cat([given, vectors[len(given) :]])
-        if self.config.decoder == "plain":
-            positions, matrices = vectors.unflatten(-1, (self.config.joints, 3)), None
-        else:
-            lie = vectors[..., 1:].unflatten(-1, (self.config.joints, 3))
-            positions, matrices = local_positions(vectors[..., :1], lie)
+        positions, matrices = self.joints(vectors)
         before = torch.cat([positions[:1], positions[:-1]])
         if real_before is not None:
             before = torch.cat([real_before, before[:, real_before.shape[1] :]], dim=1)
