@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
-from engines.datasets.corpus import HOUSE_FPS
+from engines.datasets.corpus import HOUSE_FPS, Split
 from engines.datasets.prepare import CORPORA, VERSION, cache_folder, prepare
 from engines.errors import FormatError
+from engines.geometry.mirror import mirror_words
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
-
-Split = Literal["train", "val", "test"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +31,34 @@ class Clip:
     text: str | None
     split: Split
     motion: Motion
+    label: str | None = None
+    """The data set's own class, where it has classes of its own."""
+    fine: str | None = None
+    """... and subclass."""
+    sentences: tuple[str, ...] = ()
+    """What people wrote about the whole clip. Sentences about parts of it are labels of the motion."""
+
+    def mirror(self) -> Clip:
+        """The clip seen in a mirror: its motion, and left and right in all that is said of it.
+
+        An action whose name has no side keeps it, though not every such action is the same in a mirror
+        (`engines.actions` says which are): a throw by the left arm is still a throw.
+        """
+        facts = {key: getattr(self, key) for key in ("action", "text", "label", "fine")}
+        swapped = {key: mirror_words(value) if value else value for key, value in facts.items()}
+        sentences = tuple(mirror_words(sentence) for sentence in self.sentences)
+        return replace(self, name=f"M{self.name}", motion=self.motion.mirror(), sentences=sentences, **swapped)
+
+    def pieces(self) -> tuple[Clip, ...]:
+        """The parts of the clip that sentences with times speak of, each with its sentence, as the papers train on."""
+        texts = [s for s in self.motion.labels if s.kind == "text" and s.end - s.start < len(self.motion)]
+        return tuple(
+            replace(
+                self, name=f"{self.name}@{s.start}-{s.end}", text=s.value, sentences=(s.value,),
+                motion=self.motion[s.start : s.end],
+            )
+            for s in texts
+        )  # fmt: skip
 
 
 def load(
@@ -63,14 +90,17 @@ def _all_clips(path: Path, _written: int) -> tuple[Clip, ...]:
     return tuple(_clip(row, turns, places) for row in index["clips"])
 
 
-def _clip(row: dict, turns: np.ndarray, places: np.ndarray) -> Clip:
+def _clip(row: dict[str, Any], turns: np.ndarray, places: np.ndarray) -> Clip:
     frames = slice(row["start"], row["start"] + row["frames"])
-    labels = [Segment(0, row["frames"], kind, row[kind]) for kind in ("action", "style") if row[kind]]
+    stored = row.get("labels") or [(0, row["frames"], kind, row[kind]) for kind in ("action", "style") if row[kind]]
+    labels = [Segment(start, end, kind, value) for start, end, kind, value in stored]
     motion = Motion(
         SMPL22, turns[frames], places[frames], HOUSE_FPS, tuple(labels), Provenance(f"{row['corpus']}/{row['name']}")
     )
-    facts = {key: row[key] for key in ("corpus", "name", "action", "style", "subject", "text", "split")}
-    return Clip(**facts, motion=motion)
+    facts: dict[str, Any] = {key: row[key] for key in ("corpus", "name", "action", "style", "subject", "text", "split")}
+    said = (item["value"] for item in row.get("timed", ()) if item["kind"] == "text" and item["end"] is None)
+    own: dict[str, Any] = {key: row.get(key) for key in ("label", "fine")}
+    return Clip(**facts, **own, sentences=tuple(dict.fromkeys(said)), motion=motion)
 
 
 __all__ = ["CORPORA", "HOUSE_FPS", "Clip", "cache_folder", "load", "prepare"]

@@ -34,6 +34,8 @@ class BandaiNamco:
     name = "bandai-namco"
     archive = "bandai-namco-motiondataset.tar.xz"
     licence = "CC BY-NC 4.0"
+    download = "https://github.com/BandaiNamcoResearchInc/Bandai-Namco-Research-Motiondataset"
+    layout = "the archive, or its dataset/ folder with dataset-N_CONTENT_STYLE_ID.bvh"
 
     def clips(self, folder: Path) -> Iterator[ClipInfo]:
         """Every `dataset-N_{content}_{style}_{id}.bvh` under the folder."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engines.datasets.corpus import ClipInfo, to_house
+from engines.datasets.corpus import ClipInfo, Timed, to_house
 from engines.errors import FormatError
 from engines.formats import bvh
 from engines.motion import Motion, Segment
@@ -50,6 +50,8 @@ class CMU:
     name = "cmu"
     archive = "cmu-mocap-subset.tar.xz"
     licence = "free for all use; acknowledge mocap.cs.cmu.edu, NSF EIA-0196217"
+    download = "http://mocap.cs.cmu.edu/"
+    layout = "the archive, or a folder with manifest.json and bvh/"
 
     def clips(self, folder: Path) -> Iterator[ClipInfo]:
         """The clips `manifest.json` lists, with CMU's descriptions."""
@@ -68,6 +70,7 @@ class CMU:
                 _action(row["description"]),
                 subject=row["clip"].split("_")[0],
                 text=f"{row['description']} [fps {row['cmu_fps']}, tpose {row['first_frame_is_tpose']}]",
+                timed=_kit_sentences(row),
             )
 
     def read(self, clip: ClipInfo) -> Motion:
@@ -85,6 +88,11 @@ class CMU:
         moved = _without_opening(motion.retarget(SMPL22, reference=reference))
         labels = (Segment(0, len(moved), "action", clip.action),) if clip.action else ()
         return to_house(moved.replaced(labels=labels))
+
+
+def _kit_sentences(row: dict) -> tuple[Timed, ...]:
+    """What the annotators of KIT Motion-Language wrote of the clip, where they had it."""
+    return tuple(Timed("text", " ".join(text.split())) for kit in row.get("kitml", ()) for text in kit["texts"])
 
 
 def _without_opening(motion: Motion) -> Motion:

@@ -21,17 +21,28 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 
+from engines.datasets.amass import AMASS
+from engines.datasets.babel import BABEL
 from engines.datasets.bandai_namco import BandaiNamco
 from engines.datasets.cmu import CMU
 from engines.datasets.corpus import ClipInfo, Corpus
+from engines.datasets.humanact12 import HumanAct12
+from engines.datasets.humanml3d import HumanML3D
+from engines.datasets.kit_ml import KITML
+from engines.datasets.ntu_rgbd import NTURGBD
+from engines.datasets.style_bvh import AbermanStyles, XiaStyles
 from engines.datasets.utd_mhad import UTDMHAD
 from engines.errors import Cancelled, FormatError, MotionloomError, UnknownLabelError
 from engines.motion import Motion
 
 log = logging.getLogger(__name__)
 
-CORPORA: dict[str, Corpus] = {corpus.name: corpus for corpus in (BandaiNamco(), CMU(), UTDMHAD())}
-VERSION = 2
+_ALL: tuple[Corpus, ...] = (
+    BandaiNamco(), CMU(), UTDMHAD(), HumanML3D(), KITML(), HumanAct12(), NTURGBD(), AMASS(), BABEL(), AbermanStyles(),
+    XiaStyles(),
+)  # fmt: skip
+CORPORA: dict[str, Corpus] = {corpus.name: corpus for corpus in _ALL}
+VERSION = 3
 """Raised whenever prepared clips change, so that an old cache is made anew."""
 SPLIT_SEED = 22
 _TEST_SHARE, _VAL_SHARE = 0.10, 0.05
@@ -81,7 +92,7 @@ def prepare(
     for name in corpora:
         if name not in CORPORA:
             raise UnknownLabelError("data set", name, CORPORA)
-    with _unpacked(Path(source), corpora) as folders:
+    with unpacked(Path(source), corpora) as folders:
         if not folders:
             archives = ", ".join(CORPORA[name].archive for name in corpora)
             raise FormatError(source, f"holds none of {archives}, packed or unpacked")
@@ -138,7 +149,7 @@ def _check(motion: Motion) -> None:
 
 
 @contextmanager
-def _unpacked(source: Path, corpora: Sequence[str]) -> Iterator[dict[str, Path]]:
+def unpacked(source: Path, corpora: Sequence[str]) -> Iterator[dict[str, Path]]:
     """Folders of the corpora found under `source`; archives are unpacked to a temporary folder meanwhile."""
     with tempfile.TemporaryDirectory(prefix="motionloom-") as scratch:
         folders: dict[str, Path] = {}
@@ -161,14 +172,16 @@ def _holds(corpus: Corpus, folder: Path) -> bool:
 
 
 def _splits(clips: Sequence[ClipInfo]) -> list[str]:
-    """train / val / test of each clip: UTD by subject, the others by clip within each action and style, seeded."""
+    """train / val / test of each clip: as published; UTD by subject; others by clip within each action, seeded."""
     split = ["train"] * len(clips)
     groups: dict[tuple, list[int]] = defaultdict(list)
     for i, clip in enumerate(clips):
-        if clip.corpus == UTDMHAD.name:
+        if clip.split is not None:
+            split[i] = clip.split
+        elif clip.corpus == UTDMHAD.name:
             split[i] = "test" if clip.subject in _UTD_TEST else "val" if clip.subject in _UTD_VAL else "train"
         else:
-            groups[clip.corpus, clip.action].append(i)
+            groups[clip.corpus, clip.action or clip.label].append(i)
     for members in groups.values():
         order = sorted(members, key=lambda i: hashlib.sha256(f"{SPLIT_SEED}/{clips[i].name}".encode()).digest())
         test, val = round(len(order) * _TEST_SHARE), round(len(order) * _VAL_SHARE)
@@ -188,7 +201,14 @@ def _store(kept: Sequence[tuple[ClipInfo, Motion]], failures: Sequence[Failure])
     index = {
         "version": VERSION,
         "clips": [
-            {**asdict(clip), "path": clip.path.name, "split": part, "start": int(start), "frames": len(motion)}
+            {
+                **asdict(clip),
+                "path": clip.path.name,
+                "split": part,
+                "start": int(start),
+                "frames": len(motion),
+                "labels": [[s.start, s.end, s.kind, s.value] for s in motion.labels],
+            }
             for (clip, motion), part, start in zip(kept, split, starts, strict=False)
         ],
         "left_out": [asdict(failure) for failure in failures],
