@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from engines.errors import SkeletonError
 from engines.geometry import canonical
 from engines.geometry.contacts import joint_speed
 from engines.motion import Motion
+from engines.skeletons.skeleton import Skeleton
 
 NEAR_FLOOR = 0.025
 """Height above where a foot joint stands at which sliding no longer counts, metres (Zhang et al. 2018, MANN)."""
@@ -50,14 +52,74 @@ def floating(motion: Motion) -> float:
     return float(np.maximum(0.0, feet[..., 1] - standing).min(axis=1).mean())
 
 
+def contact_skate(motion: Motion) -> float:
+    """Mean horizontal speed, m/s, of foot joints over the frames in which they are in contact; 0 without contacts.
+
+    Contact is `Motion.contacts`, which a joint that slides faster than `contacts.SPEED_LIMIT` loses: a foot that glides
+    like a skater's shows in `foot_skate`, not here.
+
+    Source: generative stylization, table 5.7 of the thesis ("foot skating").
+    """
+    feet, _ = _feet(motion)
+    touching = motion.contacts.reshape(len(motion), -1)
+    if not touching.any() or len(motion) < 2:
+        return 0.0
+    return float(joint_speed(feet[..., [0, 2]], motion.fps)[touching].mean())
+
+
+def bone_length_drift(positions: np.ndarray, skeleton: Skeleton) -> float:
+    """Mean distance, metres, of each bone's length from its own median over the frames.
+
+    For what a network gives as joint positions; the bones of a Motion are rigid, so of `motion.positions` it is 0.
+
+    Args:
+        positions: (T, J, 3), metres.
+        skeleton: says which joints a bone joins.
+
+    Raises:
+        SkeletonError: another number of joints, or positions that are not finite.
+    """
+    places = np.asarray(positions, dtype=np.float64)
+    if places.ndim != 3 or len(places) == 0 or places.shape[1:] != (len(skeleton), 3) or not np.isfinite(places).all():
+        raise SkeletonError(
+            f"positions have shape {places.shape}; accepted: finite numbers (frames, {len(skeleton)}, 3)."
+        )
+    children = [joint for joint, parent in enumerate(skeleton.parents) if parent >= 0]
+    if not children:
+        return 0.0
+    parents = [skeleton.parents[joint] for joint in children]
+    lengths = np.linalg.norm(places[:, children] - places[:, parents], axis=-1)
+    return float(np.abs(lengths - np.median(lengths, axis=0)).mean())
+
+
 def summary(motion: Motion) -> dict[str, float]:
-    """All figures of this module by name."""
+    """The figures by which the studio judges a take, SI units."""
     return {
         "foot_skate": foot_skate(motion),
         "jitter": jitter(motion),
         "ground_penetration": ground_penetration(motion),
         "floating": floating(motion),
     }
+
+
+def table(motion: Motion, positions: np.ndarray | None = None) -> dict[str, float]:
+    """The figures in the units of a table (`protocol.METRICS`): cm/s, cm, mm and m/s^3.
+
+    Args:
+        motion: judged.
+        positions: (T, J, 3) the joints a network gave before they became this motion, metres; with them the drift of
+            the bone lengths is told too.
+    """
+    figures = {
+        "foot_skate": 100 * foot_skate(motion),
+        "contact_skate": 100 * contact_skate(motion),
+        "jitter": jitter(motion),
+        "ground_penetration": 100 * ground_penetration(motion),
+        "floating": 100 * floating(motion),
+    }
+    if positions is not None:
+        figures["bone_length_drift"] = 1000 * bone_length_drift(positions, motion.skeleton)
+    return figures
 
 
 REAL = {"foot_skate": 0.042, "jitter": 76.8, "ground_penetration": 0.0018, "floating": 0.0108}

@@ -1,0 +1,166 @@
+"""Captions compared word by word in a vector space: BERTScore's arithmetic over any encoder.
+
+How it differs from the BERTScore of the papers: that one takes its vectors from RoBERTa-large (1.4 GB, downloaded),
+which knows what words mean and where they stand. Here the encoder is a parameter. The one that comes with it,
+`SpellingEncoder`, needs no file and knows no meanings: words are alike as far as their letters are ("walk", "walks",
+"walking"), and "quickly" and "fast" are strangers. Precision, recall, F1, idf weights and rescaling are BERTScore's
+own, so with vectors of a language model this is BERTScore; with others the figures compare only among themselves, and
+must not stand beside published ones.
+
+Source: Zhang et al. 2020, "BERTScore: evaluating text generation with BERT", section 3.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engines.errors import OutOfRangeError
+from engines.metrics import checks, language
+
+
+class EncodedSentence(NamedTuple):
+    """A sentence as an encoder sees it."""
+
+    tokens: Sequence[str]
+    """Its words or pieces of words, without start and end marks."""
+    vectors: np.ndarray
+    """(tokens, D), of any length; their directions are compared."""
+
+
+Encoder = Callable[[str], EncodedSentence]
+"""Sentence -> one vector a token."""
+
+
+class SpellingEncoder:
+    """Words as sums of fixed random vectors of their letter n-grams, with a little of their neighbours.
+
+    Deterministic, nothing to download or train. Source of the subword sums: Bojanowski et al. 2017.
+
+    Args:
+        size: D.
+        context: weight of the words beside a word, so that "left hand right foot" is not "right hand left foot".
+    """
+
+    def __init__(self, size: int = 128, context: float = 0.2) -> None:
+        self.size, self.context = size, context
+        self._known: dict[str, np.ndarray] = {}
+
+    def __call__(self, sentence: str) -> EncodedSentence:
+        """One unit vector a word before its neighbours are mixed in; letter case does not matter."""
+        tokens = sentence.lower().split()
+        if not tokens:
+            return EncodedSentence([], np.zeros((0, self.size)))
+        words = np.stack([self._word(token) for token in tokens])
+        mixed = words.copy()
+        mixed[1:] += self.context * words[:-1]
+        mixed[:-1] += self.context * words[1:]
+        return EncodedSentence(tokens, mixed)
+
+    def _word(self, word: str) -> np.ndarray:
+        if word not in self._known:
+            marked = f"<{word}>"
+            pieces = [marked] + [marked[i : i + n] for n in (3, 4, 5) for i in range(len(marked) - n + 1)]
+            total = np.sum([self._piece(piece) for piece in pieces], axis=0)
+            self._known[word] = total / np.linalg.norm(total)
+        return self._known[word]
+
+    def _piece(self, piece: str) -> np.ndarray:
+        # a digest, not hash(): that one changes from run to run
+        seed = int.from_bytes(hashlib.blake2b(piece.encode(), digest_size=8).digest(), "little")
+        return np.random.default_rng(seed).standard_normal(self.size)
+
+
+def idf_weights(sentences: Sequence[str], encoder: Encoder) -> Callable[[str], float]:
+    """How much a token counts: log((M + 1) / (m + 1)) where m of M sentences have it."""
+    documents = Counter(token for sentence in sentences for token in set(encoder(sentence).tokens))
+    count = len(sentences)
+    return lambda token: math.log((count + 1) / (documents[token] + 1))
+
+
+def bert_score(
+    candidates: Sequence[str],
+    references: Sequence[Sequence[str]],
+    encoder: Encoder,
+    *,
+    idf: bool = True,
+    baseline: Mapping[str, float] | None = None,
+) -> dict[str, float]:
+    """Mean {"precision", "recall", "f1"}, each candidate with the reference that gives it the best F1.
+
+    A token's score is its largest cosine with the other sentence's tokens.
+
+    Args:
+        candidates: N sentences; an empty one scores 0.
+        references: N lists of sentences.
+        encoder: sentence -> tokens and vectors.
+        idf: tokens that many references have count less.
+        baseline: of `mismatched_baseline`: scores b are given as (x - b) / (1 - b), so that 0 means unrelated.
+
+    Raises:
+        OutOfRangeError: no candidates, or references missing; or vectors that do not fit their tokens.
+    """
+    language.check(candidates, references)
+    weight = idf_weights([s for item in references for s in item], encoder) if idf else lambda token: 1.0
+    best = []
+    for candidate, sentences in zip(candidates, references, strict=True):
+        made = _unit(encoder(candidate))
+        best.append(max((_compare(made, _unit(encoder(s)), weight) for s in sentences), key=lambda row: row[2]))
+    means = dict(zip(("precision", "recall", "f1"), np.mean(best, axis=0).tolist(), strict=True))
+    return {name: _rescaled(value, baseline, name) for name, value in means.items()}
+
+
+def mismatched_baseline(
+    sentences: Sequence[str], encoder: Encoder, pairs: int = 1000, seed: int = 0
+) -> dict[str, float]:
+    """Scores of sentences that have nothing to do with each other: the zero of a rescaled `bert_score`.
+
+    Args:
+        sentences: two or more different ones, of the language to be scored.
+        encoder: as in `bert_score`.
+        pairs: random pairs of different sentences to average.
+        seed: of the draw.
+
+    Raises:
+        OutOfRangeError: fewer than two different sentences.
+    """
+    from engines.metrics.distribution import distinct_pairs
+
+    different = sorted(set(sentences))
+    first, second = distinct_pairs(len(different), pairs, np.random.default_rng(seed))
+    return bert_score([different[i] for i in first], [[different[i]] for i in second], encoder, idf=False)
+
+
+def _unit(sentence: EncodedSentence) -> EncodedSentence:
+    vectors = checks.as_array(sentence.vectors).astype(np.float64)
+    if vectors.ndim != 2 or len(vectors) != len(sentence.tokens):
+        raise OutOfRangeError("shape of an encoder's vectors", vectors.shape, f"({len(sentence.tokens)}, size)")
+    norms = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return EncodedSentence(sentence.tokens, vectors / np.where(norms > 0, norms, 1.0))
+
+
+def _compare(
+    made: EncodedSentence, real: EncodedSentence, weight: Callable[[str], float]
+) -> tuple[float, float, float]:
+    """Precision, recall and F1 of one candidate with one reference."""
+    if not made.tokens or not real.tokens:
+        return 0.0, 0.0, 0.0
+    cosines = made.vectors @ real.vectors.T
+    precision = _weighted(cosines.max(axis=1), [weight(token) for token in made.tokens])
+    recall = _weighted(cosines.max(axis=0), [weight(token) for token in real.tokens])
+    total = precision + recall
+    return precision, recall, 2 * precision * recall / total if total > 0 else 0.0
+
+
+def _weighted(values: np.ndarray, weights: Sequence[float]) -> float:
+    """Weighted mean; the plain one where all weights are 0 (one reference: every token is in all of them)."""
+    return float(np.average(values, weights=weights) if sum(weights) > 0 else values.mean())
+
+
+def _rescaled(value: float, baseline: Mapping[str, float] | None, name: str) -> float:
+    return value if baseline is None else (value - baseline[name]) / (1.0 - baseline[name])
