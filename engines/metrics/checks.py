@@ -28,7 +28,8 @@ def features(values: Any, name: str = "features", least: int = 1) -> np.ndarray:
     array = array.astype(np.float64)
     bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
     if bad.size:
-        raise OutOfRangeError(f"row {bad[0]} of {name}", "not finite", f"finite numbers ({bad.size} rows have none)")
+        wrong = next(float(value) for value in array[bad[0]] if not np.isfinite(value))
+        raise OutOfRangeError(f"a number in row {bad[0]} of {name}", wrong, f"finite ones ({bad.size} such rows)")
     return array
 
 

@@ -70,9 +70,8 @@ def ngram_counts(candidates: Sequence[str], references: Sequence[Sequence[str]],
     if order < 1:
         raise OutOfRangeError("order", order, "1 or more")
     most = max(len(sentences) for sentences in references)
-    streams = [
-        [item[k] if k < len(item) else "" for item in references] for k in range(most)
-    ]  # "" is none, to sacrebleu
+    # where an item has fewer references than others its first is given again, which changes no count
+    streams = [[item[k] if k < len(item) else item[0] for item in references] for k in range(most)]
     counter = BLEU(tokenize="none", smooth_method="none", max_ngram_order=order, force=True)
     found = counter.corpus_score(list(candidates), streams)
     return NgramCounts(np.array(found.counts), np.array(found.totals), int(found.sys_len), int(found.ref_len))

@@ -116,7 +116,7 @@ class Estimate:
 def estimate(values: Sequence[float] | np.ndarray) -> Estimate:
     """Mean and 95 % interval (Student's t, unbiased deviation) of what repeats gave; no width for a single one.
 
-    The released text and action code has 1.96 and the biased deviation (`official_scores.interval`), 8 % narrower at
+    The released text and action code has 1.96 and the biased deviation (`official_scores.interval`), 9 % narrower at
     20 repeats; MultiAct has Student's t.
 
     Raises:

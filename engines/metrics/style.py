@@ -63,7 +63,7 @@ def geodesic_distance(first: Any, second: Any) -> np.ndarray:
     if one.shape != other.shape or one.shape[-2:] != (3, 3):
         raise OutOfRangeError("shape of the rotations", (one.shape, other.shape), "(..., 3, 3), twice the same")
     if not (np.isfinite(one).all() and np.isfinite(other).all()):
-        raise OutOfRangeError("rotations", "not finite", "rotation matrices")
+        raise OutOfRangeError("rotations", "NaN or infinite in places", "rotation matrices")
     sine = np.linalg.norm(one - other, axis=(-2, -1)) / np.sqrt(8.0)
     trace = (one * other).sum(axis=(-2, -1))
     return 2.0 * np.arctan2(sine, np.sqrt(np.maximum(1.0 + trace, 0.0)) / 2.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from engines.errors import SkeletonError
 from engines.geometry import canonical, rotations
 from engines.metrics import physical
 from engines.motion import Motion
@@ -78,3 +79,48 @@ def test_one_frame_and_no_feet() -> None:
     rod = Skeleton("rod", ("a", "b"), (-1, 0), np.array([[0, 0, 0], [0, 1.0, 0]]))
     motion = Motion(rod, np.tile(rotations.IDENTITY, (5, 2, 1)), np.full((5, 3), -2.0), 20.0)
     assert set(physical.summary(motion).values()) == {0.0}
+
+
+@pytest.mark.parametrize(("speed", "found"), [(0.0, 0.0), (0.2, 0.2), (1.0, 0.0)])
+def test_skating_in_contact_counts_only_contacts(speed: float, found: float) -> None:
+    """A foot that glides fast is in contact with nothing, by the definition of contact."""
+    slid = stand(along(0, speed * TIMES))
+    assert physical.contact_skate(slid) == pytest.approx(found)
+    assert slid.contacts.any() == (speed < 0.35)
+
+
+def test_skating_in_contact_leaves_out_the_air() -> None:
+    path = np.zeros((30, 3))
+    path[15:] = [0, 0.5, 0] + np.arange(1, 16)[:, None] * np.array([0.2, 0, 0])
+    assert physical.contact_skate(stand(path)) == pytest.approx(0, abs=1e-9)
+    assert physical.contact_skate(stand(frames=1)) == 0
+
+
+def test_bones_of_a_motion_are_rigid_and_stretched_ones_drift() -> None:
+    motion = stand(along(0, TIMES))
+    assert physical.bone_length_drift(motion.positions, SMPL22) == pytest.approx(0, abs=1e-12)
+    stretched = np.array(motion.positions)
+    hand = SMPL22.index("left_wrist")
+    away = stretched[0, hand] - stretched[0, SMPL22.index("left_elbow")]
+    swing = np.where(np.arange(30) % 3 == 0, 0.03, 0.0)  # the median is the length at rest
+    stretched[:, hand] += swing[:, None] * away / np.linalg.norm(away)
+    assert physical.bone_length_drift(stretched, SMPL22) == pytest.approx(0.03 / 3 / 21)
+    point = Skeleton("point", ("a",), (-1,), np.zeros((1, 3)))
+    assert physical.bone_length_drift(np.zeros((4, 1, 3)), point) == 0
+
+
+@pytest.mark.parametrize("wrong", [np.zeros((5, 21, 3)), np.zeros((0, 22, 3)), np.full((5, 22, 3), np.nan), 3.0])
+def test_wrong_positions_are_told(wrong) -> None:
+    with pytest.raises(SkeletonError, match=r"accepted: finite numbers \(frames, 22, 3\)"):
+        physical.bone_length_drift(wrong, SMPL22)
+
+
+def test_a_table_has_its_own_units() -> None:
+    motion = stand(along(0, 0.1 * TIMES))
+    table = physical.table(motion, motion.positions * 1.0)
+    assert table["foot_skate"] == pytest.approx(10)
+    assert table["contact_skate"] == pytest.approx(10)
+    assert table["bone_length_drift"] == pytest.approx(0, abs=1e-9)
+    sunk = physical.table(stand(along(1, np.full(30, -0.02))))
+    assert sunk["ground_penetration"] == pytest.approx(2)
+    assert "bone_length_drift" not in sunk
