@@ -1,20 +1,26 @@
-"""Write the model card and the picture of all actions for a shipped Action2Motion: model_card.py VARIANT [--reads a,b].
+"""Write the model card and the picture of all actions for a shipped Action2Motion.
+
+    python scripts/model_card.py VARIANT [--run DIR] [--reads a,b] [--limits TEXT]
 
 Needs the prepared data (motionloom data prepare) for the held-out figures. What a picture shows a person has to judge:
-`--reads` takes the actions that were looked at and clearly look like what they are.
+`--reads` takes the actions that were looked at and clearly look like what they are, `--limits` what else was seen.
+Both are kept in the settings beside the weights. `--run` is the training's folder, for the curves of its losses.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw
 
 from engines import datasets, load
 from engines.action2motion.assess import Assessment, assess
+from engines.action2motion.config import Action2MotionConfig
 from engines.action2motion.engine import WEIGHTS, Action2MotionEngine
 from engines.motion import Motion
 from viewers.camera import Camera
@@ -97,6 +103,10 @@ clips {theirs:.0%}. Reconstruction of held-out clips, latents from the posterior
 
 By action: {recognised}.
 
+## Losses
+
+{_losses(extra)}
+
 ## What it looks like
 
 ![every action](../../{picture})
@@ -107,12 +117,37 @@ Do not read, or only at times: {", ".join(others)}.
 
 ## Limits
 
-An intermediate checkpoint. **Walking and running do not read yet**: after the first steps the legs hardly alternate
-and the feet slide. Actions with one to three clips in the data (kick, respond, wash, slash, beckon) are not learned.
-Kinect actions (UTD-MHAD) carry the sensor's noise and shallow squats; many are one raised arm to the eye. An action
-that is done once and asked for longer than one and a half times its usual length is not done again, though it
-should be.
+{extra.get("limits", "")} Actions with one to three clips in the data (kick, respond, wash, slash, beckon) cannot be
+more than echoes of these clips. Kinect actions (UTD-MHAD) carry the sensor's noise; many are one raised arm to the eye.
 """
+
+
+def _losses(extra: Mapping[str, Any]) -> str:
+    """The last mean of every term, and the curves where they were drawn."""
+    last = extra.get("losses")
+    if not last:
+        return "Not recorded."
+    terms = ", ".join(f"{name} {value:.3g}" for name, value in last["terms"].items())
+    curves = f"\n\n![losses over steps](../../{last['picture']})" if "picture" in last else ""
+    return f"Weighted terms, mean of the last {last['steps']} steps: {terms}.{curves}"
+
+
+def curves(run: Path, path: Path) -> dict[str, Any]:
+    """Draw the history of a training; its last line as what the card keeps."""
+    from matplotlib import pyplot
+
+    history = json.loads((run / "history.json").read_text())
+    names = [name for name in history[-1] if name not in {"step", "seconds"}]
+    figure, axes = pyplot.subplots(figsize=(7, 3.2))
+    for name in names:
+        axes.plot([line["step"] for line in history], [line.get(name) for line in history], label=name)
+    axes.set(yscale="log", xlabel="step", ylabel="weighted term")
+    axes.legend(ncols=3, fontsize=8, frameon=False)
+    axes.grid(alpha=0.3)
+    figure.tight_layout()
+    figure.savefig(path, dpi=90)
+    steps = history[-1]["step"] - history[-2]["step"]
+    return {"terms": {name: history[-1][name] for name in names}, "steps": steps}
 
 
 def main() -> None:
@@ -120,6 +155,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("variant")
     parser.add_argument("--reads", default=None, help="actions that read, comma-separated")
+    parser.add_argument("--limits", default=None, help="what falls short, in sentences")
+    parser.add_argument("--run", type=Path, default=None, help="folder of the training, for its losses")
     options = parser.parse_args()
     engine = load("action2motion", variant=options.variant)
     picture = f"docs/actions-{options.variant}.webp"
@@ -128,7 +165,13 @@ def main() -> None:
     stored = json.loads(settings.read_text())
     if options.reads is not None:
         stored["extra"]["reads"] = [name.strip() for name in options.reads.split(",") if name.strip()]
-        settings.write_text(json.dumps(stored, indent=1) + "\n")
+    if options.limits is not None:
+        stored["extra"]["limits"] = options.limits
+    if options.run is not None:
+        drawn = f"docs/losses-{options.variant}.webp"
+        stored["extra"]["losses"] = curves(options.run, ROOT / drawn) | {"picture": drawn}
+    settings.write_text(json.dumps(stored, indent=1) + "\n")
+    engine.config = Action2MotionConfig.from_json(settings.read_text())
     found = assess(engine, datasets.load("train"), datasets.load("test"), draws=6)
     text = card(engine, found, stored["extra"].get("reads", []), picture)
     (WEIGHTS / f"action2motion-{options.variant}.md").write_text(text)

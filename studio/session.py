@@ -134,7 +134,7 @@ class Session:
         drawn: dict[str, str] = {}
 
         def draw(progress, _cancel) -> None:
-            from viewers.web.payload import PALETTE
+            from viewers.scene import PALETTE
 
             for count, take in enumerate(made, 1):
                 drawn[take.id] = thumbnails.thumbnail(take.motion, PALETTE[(count - 1) % len(PALETTE)])

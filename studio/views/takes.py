@@ -10,7 +10,7 @@ from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.parts import TakeGallery
 from studio.wording import duration
-from viewers.web.payload import PALETTE
+from viewers.scene import PALETTE
 
 
 def gallery(session: Session) -> TakeGallery:

@@ -189,6 +189,6 @@ def test_colours_are_read_and_the_palette_is_told_apart() -> None:
     assert hex_to_rgb("#f80") == (1.0, 136 / 255, 0.0)
     colours = np.array([hex_to_rgb(c) for c in PALETTE])
     apart = np.linalg.norm(colours[:, None] - colours[None], axis=-1)[np.triu_indices(len(colours), 1)]
-    assert apart.min() > 0.2
+    assert apart.min() > 0.08
     own = Backdrop(centre="#ffffff")
     assert Scene((Actor(poses.stand()),), backdrop=own).colours is own

@@ -152,11 +152,10 @@ def actors_of(motions: Motions, labels: Sequence[str] | None = None) -> tuple[Ac
     if labels is not None and len(labels) != len(given):
         raise OutOfRangeError("number of labels", len(labels), f"one for each of the {len(given)} motions")
     names = labels or ([f"Take {i + 1}" for i in range(len(given))] if len(given) > 1 else [""] * len(given))
-    colours = [payload.SKIN] if len(given) == 1 else PALETTE
     cast = []
     for i, (item, name) in enumerate(zip(given, names, strict=True)):
         actor = item if isinstance(item, Actor) else Actor(item)
-        colour = actor.colour or colours[i % len(colours)]
+        colour = actor.colour or PALETTE[i % len(PALETTE)]
         cast.append(replace(actor, name=name if labels else actor.name or name, colour=colour))
     return tuple(cast)
 

@@ -42,15 +42,13 @@ from engines.geometry import rotations
 from engines.motion import Motion
 from engines.skeletons.skeleton import Skeleton
 from viewers.bodies.body import Body, eight_bit_weights
+from viewers.scene import PALETTE
 
 MAGIC = b"MLP1"
 MAX_ACTORS = 16
 UNIT_STEPS = 32767
 POSITION_STEPS = 65535
 BYTE_STEPS = 255
-
-SKIN = "#d9b38c"
-"""Colour of an actor on its own; several have those of `viewers.scene.PALETTE`, as in rendered pictures."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ class Actor:
     name: str = ""
     """Shown under the figure; empty: the player's choice."""
     colour: str = ""
-    """CSS colour `#rrggbb`; empty: `SKIN` alone, the next of the palette beside others."""
+    """CSS colour `#rrggbb`; empty: the next of `viewers.scene.PALETTE`."""
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the player puts it, metres, on top of the arrangement."""
 
@@ -184,7 +182,7 @@ def _describe_actor(actor: Actor, skeleton: int) -> dict[str, Any]:
     motion = actor.motion
     return {
         "name": actor.name,
-        "colour": actor.colour or SKIN,
+        "colour": actor.colour or PALETTE[0],
         "offset": [float(x) for x in actor.offset],
         "fps": motion.fps,
         "frames": len(motion),
