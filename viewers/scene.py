@@ -23,7 +23,7 @@ PALETTE = (
     "#d9b38c", "#86a9c9", "#8fbf9f", "#b99ad6", "#dc8f85", "#7fc0c4", "#d6c27a", "#d692b4",
     "#a8b0bd", "#9fb86a", "#8d92d8", "#cf9a63", "#6fb3a0", "#c77f9b", "#91a7e0", "#bfa58f",
 )  # fmt: skip
-"""Actor colours, in order, of pictures and player alike: clothes rather than signals, as names tell actors apart too."""
+"""Actor colours, in order, of pictures and player alike; clothes rather than signals: names tell actors apart too."""
 GAP = 0.5
 """Metres between the floor areas of motions laid out beside each other."""
 MARGIN = 0.085
