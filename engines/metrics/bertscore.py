@@ -76,9 +76,18 @@ class SpellingEncoder:
         return np.random.default_rng(seed).standard_normal(self.size)
 
 
-def idf_weights(sentences: Sequence[str], encoder: Encoder) -> Callable[[str], float]:
-    """How much a token counts: log((M + 1) / (m + 1)) where m of M sentences have it."""
-    documents = Counter(token for sentence in sentences for token in set(encoder(sentence).tokens))
+class _Matched(NamedTuple):
+    """Tokens of a candidate and of one of its references, each with its largest cosine in the other."""
+
+    made: Sequence[str]
+    made_best: np.ndarray
+    real: Sequence[str]
+    real_best: np.ndarray
+
+
+def idf_weights(sentences: Sequence[Sequence[str]]) -> Callable[[str], float]:
+    """How much a token counts: log((M + 1) / (m + 1)) where m of M sentences, given as their tokens, have it."""
+    documents = Counter(token for sentence in sentences for token in set(sentence))
     count = len(sentences)
     return lambda token: math.log((count + 1) / (documents[token] + 1))
 
@@ -106,11 +115,12 @@ def bert_score(
         OutOfRangeError: no candidates, or references missing; or vectors that do not fit their tokens.
     """
     language.check(candidates, references)
-    weight = idf_weights([s for item in references for s in item], encoder) if idf else lambda token: 1.0
-    best = []
+    rows = []
     for candidate, sentences in zip(candidates, references, strict=True):
         made = _unit(encoder(candidate))
-        best.append(max((_compare(made, _unit(encoder(s)), weight) for s in sentences), key=lambda row: row[2]))
+        rows.append([_match(made, _unit(encoder(sentence))) for sentence in sentences])
+    weight = idf_weights([pair.real for row in rows for pair in row]) if idf else lambda token: 1.0
+    best = [max((_score(pair, weight) for pair in row), key=lambda score: score[2]) for row in rows]
     means = dict(zip(("precision", "recall", "f1"), np.mean(best, axis=0).tolist(), strict=True))
     return {name: _rescaled(value, baseline, name) for name, value in means.items()}
 
@@ -144,15 +154,19 @@ def _unit(sentence: EncodedSentence) -> EncodedSentence:
     return EncodedSentence(sentence.tokens, vectors / np.where(norms > 0, norms, 1.0))
 
 
-def _compare(
-    made: EncodedSentence, real: EncodedSentence, weight: Callable[[str], float]
-) -> tuple[float, float, float]:
-    """Precision, recall and F1 of one candidate with one reference."""
+def _match(made: EncodedSentence, real: EncodedSentence) -> _Matched:
     if not made.tokens or not real.tokens:
-        return 0.0, 0.0, 0.0
+        return _Matched(made.tokens, np.zeros(len(made.tokens)), real.tokens, np.zeros(len(real.tokens)))
     cosines = made.vectors @ real.vectors.T
-    precision = _weighted(cosines.max(axis=1), [weight(token) for token in made.tokens])
-    recall = _weighted(cosines.max(axis=0), [weight(token) for token in real.tokens])
+    return _Matched(made.tokens, cosines.max(axis=1), real.tokens, cosines.max(axis=0))
+
+
+def _score(pair: _Matched, weight: Callable[[str], float]) -> tuple[float, float, float]:
+    """Precision, recall and F1 of one candidate with one reference."""
+    if not pair.made or not pair.real:
+        return 0.0, 0.0, 0.0
+    precision = _weighted(pair.made_best, [weight(token) for token in pair.made])
+    recall = _weighted(pair.real_best, [weight(token) for token in pair.real])
     total = precision + recall
     return precision, recall, 2 * precision * recall / total if total > 0 else 0.0
 

@@ -18,8 +18,8 @@ from scipy.spatial.distance import cdist, pdist
 from engines.errors import OutOfRangeError
 from engines.metrics import checks
 
-CHUNK = 512
-"""Rows compared with all others at a time."""
+CHUNK = 4096
+"""Rows compared with all others at a time; up to so many, every pair is looked at only once."""
 
 
 class FeatureStatistics:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -174,12 +175,12 @@ def cider_items(
     rarity = corpus if corpus is not None else references
     documents = Counter(gram for item in rarity for gram in {g for sentence in item for g in _ngrams(sentence.split())})
     log_count = math.log(max(len(rarity), 1))
-    scores = []
-    for candidate, sentences in zip(candidates, references, strict=True):
-        made = _weigh(candidate, documents, log_count)
-        likeness = [_cider(made, _weigh(sentence, documents, log_count)) for sentence in sentences]
-        scores.append(10.0 * float(np.mean(likeness)))
-    return np.array(scores)
+    weighed = cache(lambda sentence: _weigh(sentence, documents, log_count))  # the same sentence comes up often
+    likeness = [
+        np.mean([_cider(weighed(candidate), weighed(sentence)) for sentence in sentences])
+        for candidate, sentences in zip(candidates, references, strict=True)
+    ]
+    return 10.0 * np.array(likeness)
 
 
 def cider(

@@ -6,6 +6,7 @@ Smaller is better; real clips are not at 0.
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
 from engines.errors import SkeletonError
 from engines.geometry import canonical
@@ -67,7 +68,7 @@ def contact_skate(motion: Motion) -> float:
     return float(joint_speed(feet[..., [0, 2]], motion.fps)[touching].mean())
 
 
-def bone_length_drift(positions: np.ndarray, skeleton: Skeleton) -> float:
+def bone_length_drift(positions: Float[np.ndarray, "T J 3"], skeleton: Skeleton) -> float:
     """Mean distance, metres, of each bone's length from its own median over the frames.
 
     For what a network gives as joint positions; the bones of a Motion are rigid, so of `motion.positions` it is 0.
@@ -102,7 +103,7 @@ def summary(motion: Motion) -> dict[str, float]:
     }
 
 
-def table(motion: Motion, positions: np.ndarray | None = None) -> dict[str, float]:
+def table(motion: Motion, positions: Float[np.ndarray, "T J 3"] | None = None) -> dict[str, float]:
     """The figures in the units of a table (`protocol.METRICS`): cm/s, cm, mm and m/s^3.
 
     Args:

@@ -133,8 +133,9 @@ def test_alike_is_not_diverse() -> None:
     assert distribution.multimodality(np.ones((40, 3)), np.arange(40) // 4) == 0
 
 
-@pytest.mark.parametrize("count", [2, 3, 511, 513, 700])
-def test_all_pairs_without_a_draw(count: int) -> None:
+@pytest.mark.parametrize("count", [2, 3, 63, 64, 65, 200])
+def test_all_pairs_without_a_draw(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(distribution, "CHUNK", 64)
     features = np.random.default_rng(count).normal(size=(count, 3))
     found = distribution.diversity(features, None)
     assert found == pytest.approx(pdist(features).mean())
