@@ -92,7 +92,9 @@ def _all_clips(path: Path, _written: int) -> tuple[Clip, ...]:
 
 def _clip(row: dict[str, Any], turns: np.ndarray, places: np.ndarray) -> Clip:
     frames = slice(row["start"], row["start"] + row["frames"])
-    stored = row.get("labels") or [(0, row["frames"], kind, row[kind]) for kind in ("action", "style") if row[kind]]
+    stored: list[Any] = row.get("labels") or [
+        (0, row["frames"], kind, row[kind]) for kind in ("action", "style") if row[kind]
+    ]
     labels = [Segment(start, end, kind, value) for start, end, kind, value in stored]
     motion = Motion(
         SMPL22, turns[frames], places[frames], HOUSE_FPS, tuple(labels), Provenance(f"{row['corpus']}/{row['name']}")
