@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, Literal
 
-from engines.errors import CheckpointError, UnknownLabelError
+from engines.errors import CheckpointError, OutOfRangeError, UnknownLabelError
 
 Decoder = Literal["plain", "lie", "glmi-m", "glmi-r"]
 DECODERS: tuple[Decoder, ...] = ("plain", "lie", "glmi-m", "glmi-r")
@@ -92,6 +93,26 @@ class Action2MotionConfig:
         """A copy with some fields changed."""
         return replace(self, **changes)
 
+    def checked(self) -> Action2MotionConfig:
+        """Itself, once every number is in its range.
+
+        Raises:
+            OutOfRangeError: one is not; the message says which and what would be accepted.
+        """
+        for name, value in vars(self).items():
+            numbers = [n for n in (value if isinstance(value, tuple) else (value,)) if isinstance(n, int | float)]
+            if not all(math.isfinite(n) and n >= 0 for n in numbers):
+                raise OutOfRangeError(name, value, "0 or more")
+            if name in _AT_LEAST_ONE and min(numbers) < 1:
+                raise OutOfRangeError(name, value, "1 or more")
+            if name in _SHARES and max(numbers) > 1:
+                raise OutOfRangeError(name, value, "0 to 1")
+        if self.window < 2:
+            raise OutOfRangeError("window", self.window, "2 frames or more")
+        if self.fps <= 0:
+            raise OutOfRangeError("fps", self.fps, "a rate above 0")
+        return self
+
     def to_json(self) -> str:
         """Readable JSON."""
         return json.dumps(asdict(self), indent=1)
@@ -109,6 +130,14 @@ class Action2MotionConfig:
             raise CheckpointError(f"settings hold unknown fields {', '.join(sorted(unknown))}")
         lists = {key: tuple(value) for key, value in values.items() if isinstance(value, list)}
         return cls(**{**values, **lists})
+
+
+_AT_LEAST_ONE = frozenset(
+    f.name
+    for f in fields(Action2MotionConfig)
+    if f.name.endswith(("_size", "_layers")) or f.name in {"joints", "steps"}
+)
+_SHARES = frozenset({"teacher_forcing", "label_balance", "kl_rise"})
 
 
 PAPER = Action2MotionConfig()

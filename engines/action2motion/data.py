@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import torch
@@ -12,8 +12,9 @@ from engines.action2motion.config import Action2MotionConfig
 from engines.action2motion.losses import Batch
 from engines.action2motion.representation import Features, encode
 from engines.datasets import Clip
-from engines.errors import MotionloomError
+from engines.errors import FormatError, MotionloomError, UnknownLabelError
 from engines.geometry.mirror import mirror_words
+from engines.training.devices import ALONE, Share
 
 
 class Sequences:
@@ -67,22 +68,42 @@ class Sequences:
         spread = vectors.std(0)
         return vectors.mean(0), spread.clamp_min(0.1 * float(spread.mean())), self.frames["velocity"].std(0)
 
-    def draw(self, rng: np.random.Generator, size: int | None = None) -> Batch:
-        """A random batch."""
+    def to(self, device: torch.device) -> Sequences:
+        """Keep all frames on a device."""
+        self.frames = {name: value.to(device) for name, value in self.frames.items()}
+        self.progress = self.progress.to(device)
+        return self
+
+    def draw(self, rng: np.random.Generator, size: int | None = None, share: Share = ALONE) -> Batch:
+        """A random batch, or this process's share of it."""
         picks = rng.choice(len(self), size=size or self.config.batch_size, p=self.probability)
+        begin = self._beginnings(picks, rng)
+        return self.windows(picks[share.rows], begin[share.rows])
+
+    def each(self, rng: np.random.Generator, share: Share = ALONE) -> Iterator[Batch]:
+        """Every sequence once, in batches of the usual size, the last filled up from the front."""
+        size = self.config.batch_size
+        picks = np.resize(np.arange(len(self)), -(-len(self) // size) * size)
+        begin = self._beginnings(picks, rng)
+        for first in range(0, len(picks), size):
+            part = slice(first + share.rank, first + size, share.world)
+            yield self.windows(picks[part], begin[part])
+
+    def _beginnings(self, picks: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         room = np.maximum(1, self.lengths[picks] - self.config.window + 1)
-        return self.windows(picks, (rng.random(len(picks)) * room).astype(int))
+        return (rng.random(len(picks)) * room).astype(int)
 
     def windows(self, picks: np.ndarray, begin: np.ndarray) -> Batch:
         """The windows of the picked clips that begin at the given frames."""
         at = begin + np.arange(self.config.window)[:, None]
-        real = torch.from_numpy(at < self.lengths[picks])
-        index = torch.from_numpy(self.starts[picks] + np.minimum(at, self.lengths[picks] - 1))
+        device = self.progress.device
+        real = torch.from_numpy(at < self.lengths[picks]).to(device)
+        index = torch.from_numpy(self.starts[picks] + np.minimum(at, self.lengths[picks] - 1)).to(device)
         velocity = self.frames["velocity"][index] * real[..., None]
         velocity[0] = 0.0
         return Batch(
             vectors=self.vectors(index),
-            conditions=conditions(torch.from_numpy(self.labels[picks]), self.progress[index], self.config),
+            conditions=conditions(torch.from_numpy(self.labels[picks]).to(device), self.progress[index], self.config),
             positions=self.frames["positions"][index],
             matrices=self.frames["matrices"][index],
             velocity=velocity,
@@ -97,14 +118,33 @@ def conditions(labels: torch.Tensor, progress: torch.Tensor, config: Action2Moti
     return torch.cat([hot, progress[..., None]], dim=-1) if config.time_counter else hot
 
 
-def vocabulary_of(clips: Sequence[Clip], fps: float) -> tuple[tuple[str, ...], tuple[int, ...]]:
-    """The actions that occur (mirrored ones included), in vocabulary order, and the usual length of each in frames."""
+def vocabulary_of(
+    clips: Sequence[Clip], fps: float, wanted: Sequence[str] = ()
+) -> tuple[tuple[str, ...], tuple[int, ...]]:
+    """The actions that occur (mirrored ones included), in vocabulary order, and the usual length of each in frames.
+
+    Args:
+        clips: labelled or not; those without an action are passed over.
+        fps: frames of the lengths.
+        wanted: only these actions; all if none.
+
+    Raises:
+        FormatError: a clip's label is not in the vocabulary; the message names the clip.
+        UnknownLabelError: no clip shows a wanted action.
+    """
     frames: dict[str, list[float]] = {}
     for clip in clips:
         if clip.action is None:
             continue
+        try:
+            mirrors = vocabulary.get(clip.action).mirrors
+        except UnknownLabelError as error:
+            raise FormatError(f"{clip.corpus}/{clip.name}", str(error)) from error
         frames.setdefault(clip.action, []).append(clip.motion.duration)
-        if vocabulary.get(clip.action).mirrors:
+        if mirrors:
             frames.setdefault(mirror_words(clip.action), []).append(clip.motion.duration)
-    names = tuple(action.name for action in vocabulary.VOCABULARY if action.name in frames)
+    for name in wanted:
+        if name not in frames:
+            raise UnknownLabelError("action among the clips", name, frames)
+    names = tuple(a.name for a in vocabulary.VOCABULARY if a.name in frames and (not wanted or a.name in wanted))
     return names, tuple(round(float(np.median(frames[name])) * fps) for name in names)

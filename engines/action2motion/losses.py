@@ -10,6 +10,8 @@ from torch import Tensor
 from engines.action2motion.config import Action2MotionConfig
 from engines.action2motion.model import Action2Motion, Draws
 from engines.action2motion.representation import world_step
+from engines.training.devices import ALONE, Share
+from engines.training.schedules import Linear
 
 
 @dataclass(frozen=True)
@@ -32,13 +34,13 @@ class Batch:
     """(T, B) 1 on real frames, 0 where a short clip's last pose is held."""
 
 
-def losses(
-    model: Action2Motion, batch: Batch, step: int, feet: list[int], generator: torch.Generator
+def losses(  # noqa: PLR0913, PLR0917 - what a loss is a function of
+    model: Action2Motion, batch: Batch, step: int, feet: list[int], generator: torch.Generator, share: Share = ALONE
 ) -> dict[str, Tensor]:
-    """Every term, already weighted; their sum is what is minimised."""
+    """Every term, already weighted; their sum is what is minimised. The batch is this process's share of the whole."""
     config = model.config
     poses, (mu_q, logvar_q, mu_p, logvar_p) = model.reconstruct(
-        batch.vectors, batch.conditions, batch.positions, draws(config, batch, generator)
+        batch.vectors, batch.conditions, batch.positions, draws(config, batch, generator, share)
     )
     terms = {
         # eq. 3.11: distance of every joint, summed over joints
@@ -63,28 +65,32 @@ def losses(
     return terms
 
 
-def draws(config: Action2MotionConfig, batch: Batch, generator: torch.Generator) -> Draws:
-    """What is random in a pass over a batch."""
-    frames, count = batch.mask.shape
-    latent = torch.randn(frames, count, config.latent_size, generator=generator)
+def draws(config: Action2MotionConfig, batch: Batch, generator: torch.Generator, share: Share = ALONE) -> Draws:
+    """What is random in a pass over a share of a batch: drawn for the whole of it, alike in all processes."""
+    frames, count = len(batch.mask), batch.mask.shape[1] * share.world
+
+    def kept(values: Tensor) -> Tensor:
+        return values[:, share.rows].to(share.device)
+
+    latent = kept(torch.randn(frames, count, config.latent_size, generator=generator))
     if not config.feed_rounds:
         chances = torch.full((count,), config.teacher_forcing)
-        return Draws(latent, forced=int(torch.bernoulli(chances, generator=generator).sum()))
+        return Draws(latent, forced=share.count(int(torch.bernoulli(chances, generator=generator).sum())))
     # some sequences are fed mostly their own poses, some hardly any, and some more noise than others
     shares = torch.rand(count, generator=generator) * min(1.0, 2 * (1 - config.teacher_forcing))
     spread = torch.rand(1, count, 1, generator=generator) * config.pose_noise
     return Draws(
         latent,
-        own=torch.rand(frames, count, generator=generator) < shares,
-        pose=torch.randn(frames, count, config.pose_size, generator=generator) * spread,
-        prior=torch.randn(frames, count, config.latent_size, generator=generator),
+        own=kept(torch.rand(frames, count, generator=generator) < shares),
+        pose=kept(torch.randn(frames, count, config.pose_size, generator=generator) * spread),
+        # only the first half of the sequences take the prior's latents
+        prior=kept(torch.randn(frames, count, config.latent_size, generator=generator)[:, : count // 2]),
     )
 
 
 def kl_weight(config: Action2MotionConfig, step: int) -> float:
     """lambda_kl at a step: a linear rise, then constant (thesis, training strategy)."""
-    low, high = config.kl_weight
-    return low + (high - low) * min(1.0, step / max(1.0, config.kl_rise * config.steps))
+    return Linear(*config.kl_weight, steps=config.kl_rise * config.steps)(step)
 
 
 def gaussian_kl(mu_q: Tensor, logvar_q: Tensor, mu_p: Tensor, logvar_p: Tensor) -> Tensor:

@@ -55,7 +55,7 @@ class Draws:
     pose: Tensor | None = None
     """With `own`: (T, B, D) added to the fed poses."""
     prior: Tensor | None = None
-    """With `own`: (T, B, Z) standard normal, for the prior's latents."""
+    """With `own`: (T, B', Z) standard normal, for the prior's latents, which the first B' sequences take."""
 
 
 class PoseHead(nn.Module):
@@ -184,7 +184,9 @@ class Action2Motion(nn.Module):
             before = self._partly_own(real, known, draws)
             hidden, shown = self.generator(torch.cat([before, known], dim=-1))[0], None
         mu_p, logvar_p, _, _ = self.prior(torch.cat([before, conditions], dim=-1))
-        return self.decode(hidden, shown), (mu_q, logvar_q, mu_p, logvar_p)
+        with torch.autocast(hidden.device.type, enabled=False):  # angles in bfloat16 would be most of a degree off
+            poses = self.decode(hidden.float(), shown)
+        return poses, (mu_q.float(), logvar_q.float(), mu_p.float(), logvar_p.float())
 
     def _self_fed(self, real: Tensor, known: Tensor, forced: int) -> tuple[Tensor, Tensor]:
         """Fed poses (T, B, D) and hidden (T, B, H): the first rows teacher-forced, the others fed with their own."""
@@ -197,7 +199,7 @@ class Action2Motion(nn.Module):
     def _partly_own(self, real: Tensor, known: Tensor, draws: Draws) -> Tensor:
         """Fed poses (T, B, D): real ones with noise on them and, where `draws.own`, what the model makes of such.
 
-        Half of the sequences take the latents for that from the prior, as in use: what the model makes there strays
+        The first sequences take the latents for that from the prior, as in use: what the model makes there strays
         from the real motion, and the loss teaches it the way back. (Parallel scheduled sampling, Duckworth et al.
         2019, "Parallel Scheduled Sampling"; latents of the prior and noise are ours.)
         """
@@ -206,8 +208,8 @@ class Action2Motion(nn.Module):
         start[1:] += draws.pose[1:]
         conditions = known[..., : self.config.condition_size]
         mu, logvar, _, _ = self.prior(torch.cat([start, conditions], dim=-1))
-        half = real.shape[1] // 2
-        drawn = sample_latent(mu[:, :half], logvar[:, :half], draws.prior[:, :half])
+        half = draws.prior.shape[1]
+        drawn = sample_latent(mu[:, :half], logvar[:, :half], draws.prior)
         latent = torch.cat([drawn, known[:, half:, self.config.condition_size :]], dim=1)
         before = start
         for _ in range(self.config.feed_rounds):

@@ -1,191 +1,208 @@
-"""One training loop for all engines: steps, logging, checkpoints that resume exactly, cancel.
+"""One training loop for all engines: steps, validation, logging, checkpoints that resume exactly, cancel.
 
-An engine brings its model, a function that draws a batch and one that gives named loss terms; everything random comes
-from two generators whose states are part of the checkpoint, so a run that was cut off goes on as if it had not been.
+An engine brings its model, a function that draws a batch and gives named loss terms, and one that does so for clips
+held back. Everything random comes from two generators whose states are part of the checkpoint (and torch's own, set
+anew each step), so a run that was cut off goes on as if it had not been. See `engines.training.devices` for how the
+same loop runs in many processes.
 """
 
 from __future__ import annotations
 
-import json
 import logging
 import math
 import time
-from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from pickle import UnpicklingError
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
 import torch
 from torch import Tensor, nn
 
-from engines.errors import Cancelled, CheckpointError
+from engines.errors import Cancelled
+from engines.training import devices
+from engines.training.plan import TrainingPlan
+from engines.training.state import TrainingError, TrainingState
+
+if TYPE_CHECKING:
+    from lightning_fabric import Fabric
 
 log = logging.getLogger(__name__)
 
-
-@dataclass(frozen=True)
-class TrainingPlan:
-    """How long and how fast to train."""
-
-    steps: int
-    """Optimiser steps in all, counted over resumed runs."""
-    learning_rate: float
-    final_learning_rate: float
-    """Reached along a cosine at the last step."""
-    weight_decay: float = 0.0
-    warmup: int = 200
-    """Steps over which the learning rate rises from zero."""
-    clip_norm: float = 1.0
-    """Gradients longer than this are shortened to it."""
-    average: float = 0.999
-    """Decay of the moving average of the weights, which is what gets used; 0 keeps none."""
-    seed: int = 0
-    save_every_seconds: float = 180.0
-    log_every: int = 100
+Terms = dict[str, Tensor]
+Losses = Callable[[TrainingState], Terms]
+Listener = Callable[[TrainingState], None]
 
 
-@dataclass
-class TrainingState:
-    """Everything that resuming needs."""
-
-    model: nn.Module
-    plan: TrainingPlan
-    step: int = 0
-    seconds: float = 0.0
-    history: list[dict[str, float]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.optimiser = torch.optim.Adam(
-            self.model.parameters(), lr=self.plan.learning_rate, weight_decay=self.plan.weight_decay, fused=True
-        )
-        self.rng = np.random.default_rng(self.plan.seed)
-        self.generator = torch.Generator().manual_seed(self.plan.seed)
-        self.averaged = {name: value.detach().clone() for name, value in self.model.state_dict().items()}
-
-    def learning_rate(self) -> float:
-        """Of the coming step: linear warm-up, then a cosine to the final value."""
-        plan = self.plan
-        done = min(1.0, self.step / max(1, plan.steps))
-        rate = plan.final_learning_rate + (plan.learning_rate - plan.final_learning_rate) * 0.5 * (
-            1 + math.cos(math.pi * done)
-        )
-        return rate * min(1.0, (self.step + 1) / max(1, plan.warmup))
-
-    def save(self, path: Path) -> None:
-        """Write the checkpoint beside the old one and put it in its place."""
-        temporary = path.with_suffix(".partial")
-        torch.save(
-            {
-                "model": self.model.state_dict(),
-                "averaged": self.averaged,
-                "optimiser": self.optimiser.state_dict(),
-                "generator": self.generator.get_state(),
-                "rest": json.dumps(
-                    {
-                        "rng": self.rng.bit_generator.state,
-                        "step": self.step,
-                        "seconds": self.seconds,
-                        "history": self.history,
-                    }
-                ),
-            },
-            temporary,
-        )
-        temporary.replace(path)
-
-    def restore(self, path: Path) -> None:
-        """Go on from a checkpoint written by `save`.
-
-        Raises:
-            CheckpointError: the file is missing, damaged or of another model.
-        """
-        try:
-            stored = torch.load(path, weights_only=True)
-            self.model.load_state_dict(stored["model"])
-            self.optimiser.load_state_dict(stored["optimiser"])
-        except (OSError, RuntimeError, KeyError, TypeError, EOFError, ValueError, UnpicklingError) as error:
-            raise CheckpointError(f"{path}: cannot resume from this checkpoint: {error}") from error
-        self.averaged = stored["averaged"]
-        self.generator.set_state(stored["generator"])
-        rest = json.loads(stored["rest"])
-        self.rng.bit_generator.state = rest["rng"]
-        self.step, self.seconds, self.history = rest["step"], rest["seconds"], rest["history"]
-
-
-def train(
+def train(  # noqa: PLR0913 - who wants to hear of it
     state: TrainingState,
-    losses: Callable[[TrainingState], dict[str, Tensor]],
+    losses: Losses,
     checkpoint: Path | None = None,
-    progress: Callable[[TrainingState], None] | None = None,
+    progress: Listener | None = None,
     cancel: Callable[[], bool] | None = None,
+    *,
+    validate: Callable[[TrainingState], Iterator[Terms]] | None = None,
+    tick: Listener | None = None,
+    fabric: Fabric | None = None,
 ) -> TrainingState:
-    """Minimise the sum of the loss terms until the plan's last step.
+    """Minimise the sum of the loss terms until the plan's last step, or until validation stops getting better.
 
     Args:
         state: new or restored.
-        losses: draws a batch with `state.rng` and `state.generator` and returns named terms.
+        losses: draws a batch with `state.rng` and `state.generator`, keeps `state.share` of it, and returns named
+            terms, each a mean over sequences.
         checkpoint: written every `save_every_seconds`, at the end and on cancel.
-        progress: called each time a line is logged.
+        progress: called each time a line is logged or validated.
         cancel: asked each step.
+        validate: gives terms of one batch held back after another, always the same ones, with generators of its own;
+            called without gradients while the model has its averaged weights.
+        tick: called each step.
+        fabric: from `devices.launch`; one process on the processor if none.
+
+    Raises:
+        Cancelled: `cancel` said so; the checkpoint is written.
+        TrainingError: a loss or a gradient is not finite; the last checkpoint stands.
+        CheckpointError: a checkpoint cannot be written; the last one stands.
     """
-    plan, sums, saved = state.plan, defaultdict(float), time.monotonic()
-    began = time.monotonic() - state.seconds
-    counted = 0
-    while state.step < plan.steps:
-        terms = _step(state, losses)
-        counted += 1
-        for name, value in terms.items():
-            sums[name] += float(value.detach())
-        state.seconds = time.monotonic() - began
-        if state.step % plan.log_every == 0:
-            _record(state, {name: total / counted for name, total in sums.items()})
-            sums.clear()
-            counted = 0
-            if progress:
+    return _Run(state, losses, validate, fabric or devices.launch("cpu", "32"), checkpoint).go(progress, cancel, tick)
+
+
+class _Objective(nn.Module):
+    """A step's terms as a forward pass, so that Fabric can wrap it: autocast, and gradients of all processes."""
+
+    def __init__(self, state: TrainingState, losses: Losses) -> None:
+        super().__init__()
+        self.model = state.model
+        self._terms = lambda: losses(state)
+
+    def forward(self) -> Terms:
+        return self._terms()
+
+
+class _Run:
+    """One call of `train`."""
+
+    def __init__(
+        self,
+        state: TrainingState,
+        losses: Losses,
+        validate: Callable[[TrainingState], Iterator[Terms]] | None,
+        fabric: Fabric,
+        checkpoint: Path | None,
+    ) -> None:
+        self.state, self.validate, self.fabric, self.checkpoint = state, validate, fabric, checkpoint
+        state.to(devices.share_of(fabric))
+        self.objective, self.optimiser = fabric.setup(_Objective(state, losses), state.optimiser)
+        self.began = time.monotonic() - state.seconds
+        self.saved = time.monotonic()
+
+    def go(self, progress: Listener | None, cancel: Callable[[], bool] | None, tick: Listener | None) -> TrainingState:
+        """Step after step."""
+        state, plan = self.state, self.state.plan
+        self.state.model.train()
+        while not state.finished:
+            self._step()
+            state.seconds = time.monotonic() - self.began
+            logged = state.step % plan.log_every == 0
+            if logged:
+                _record(state)
+            if self.validate and plan.validate_every and self._validation_is_due():
+                self._validate()
+                logged = True
+            if logged and progress:
                 progress(state)
-        stop = bool(cancel and cancel())
-        if checkpoint and (stop or time.monotonic() - saved > plan.save_every_seconds):
-            state.save(checkpoint)
-            saved = time.monotonic()
+            if tick:
+                tick(state)
+            self._save_or_stop(cancel)
+        self._save()
+        return state
+
+    def _step(self) -> None:
+        state = self.state
+        for group in state.optimiser.param_groups:
+            group["lr"] = state.learning_rate() * group["scale"]
+        devices.reseed(state.plan.seed, state.step, state.share)
+        terms = self.objective()
+        total = torch.stack(list(terms.values())).sum()
+        values = self._everywhere(terms)
+        _demand_finite(values, f"the loss is not finite at step {state.step}", state)
+        self.optimiser.zero_grad(set_to_none=True)
+        self.fabric.backward(total)
+        norm = float(nn.utils.clip_grad_norm_(state.model.parameters(), state.plan.clip_norm or math.inf))
+        _demand_finite({"gradient_norm": norm}, f"the gradient is not finite at step {state.step}", state)
+        self.optimiser.step()
+        state.step += 1
+        state.average()
+        for name, value in {"gradient_norm": norm, **values}.items():
+            state.sums[name] = state.sums.get(name, 0.0) + value
+        state.counted += 1
+
+    def _everywhere(self, terms: Terms) -> dict[str, float]:
+        """Terms of the whole batch."""
+        values = torch.stack([value.detach().float() for value in terms.values()])
+        means = devices.mean_over_processes(self.fabric, values).tolist()
+        return dict(zip(terms, means, strict=True))
+
+    def _validation_is_due(self) -> bool:
+        step, plan = self.state.step, self.state.plan
+        return step % plan.validate_every == 0 or step == plan.steps
+
+    def _validate(self) -> None:
+        state, sums, count = self.state, {}, 0
+        assert self.validate is not None
+        devices.reseed(state.plan.seed, 0, state.share)
+        with _averaged(state), torch.no_grad(), self.fabric.autocast():
+            for terms in self.validate(state):
+                for name, value in self._everywhere(terms).items():
+                    sums[name] = sums.get(name, 0.0) + value
+                count += 1
+        means = {name: value / max(1, count) for name, value in sums.items()}
+        _demand_finite(means, f"the loss of the clips held back is not finite at step {state.step}", state)
+        state.judge(means)
+        log.info("validation: %s", "  ".join(f"{k} {v:.4g}" for k, v in state.validation[-1].items()))
+
+    def _save_or_stop(self, cancel: Callable[[], bool] | None) -> None:
+        stop = devices.anywhere(self.fabric, bool(cancel and cancel()))
+        if stop or time.monotonic() - self.saved > self.state.plan.save_every_seconds:
+            self._save()
         if stop:
-            raise Cancelled(f"training was cancelled after step {state.step}")
-    if checkpoint:
-        state.save(checkpoint)
-    return state
+            raise Cancelled(f"training was cancelled after step {self.state.step}")
+
+    def _save(self) -> None:
+        if self.checkpoint and self.fabric.is_global_zero:
+            self.state.save(self.checkpoint)
+        self.saved = time.monotonic()
 
 
-def _step(state: TrainingState, losses: Callable[[TrainingState], dict[str, Tensor]]) -> dict[str, Tensor]:
-    for group in state.optimiser.param_groups:
-        group["lr"] = state.learning_rate()
-    terms = losses(state)
-    total = torch.stack(list(terms.values())).sum()
-    if not torch.isfinite(total):
-        bad = {name: float(value.detach()) for name, value in terms.items()}
-        raise CheckpointError(f"the loss is not finite at step {state.step}: {bad}")
-    state.optimiser.zero_grad(set_to_none=True)
-    total.backward()
-    nn.utils.clip_grad_norm_(state.model.parameters(), state.plan.clip_norm)
-    state.optimiser.step()
-    state.step += 1
-    _average(state)
-    return terms
+@contextmanager
+def _averaged(state: TrainingState) -> Iterator[None]:
+    """The model with its averaged weights, evaluating; afterwards as it was, bit by bit."""
+    now = {name: value.clone() for name, value in state.model.state_dict().items()}
+    state.model.load_state_dict(state.averaged)
+    state.model.eval()
+    try:
+        yield
+    finally:
+        state.model.load_state_dict(now)
+        state.model.train()
 
 
-def _average(state: TrainingState) -> None:
-    """Moving average of the weights; early steps count less so that the start is forgotten."""
-    decay = min(state.plan.average, (1 + state.step) / (10 + state.step))
-    with torch.no_grad():
-        for name, value in state.model.state_dict().items():
-            if value.dtype.is_floating_point:
-                state.averaged[name].lerp_(value, 1 - decay)
-            else:
-                state.averaged[name].copy_(value)
+def _demand_finite(values: dict[str, float], problem: str, state: TrainingState) -> None:
+    if not all(math.isfinite(value) for value in values.values()):
+        shown = {name: float(f"{value:.4g}") for name, value in values.items()}
+        raise TrainingError(
+            f"{problem}: {shown}; a lower learning_rate or clip_norm helps (now {state.learning_rate():.3g} and "
+            f"{state.plan.clip_norm:.3g}). The last checkpoint stands."
+        )
 
 
-def _record(state: TrainingState, means: dict[str, float]) -> None:
-    line: dict[str, Any] = {"step": state.step, "seconds": round(state.seconds, 1), **means}
+def _record(state: TrainingState) -> None:
+    means = {name: total / state.counted for name, total in state.sums.items()}
+    state.sums, state.counted = {}, 0
+    rate = state.plan.rate(state.step - 1)
+    line = {"step": state.step, "seconds": round(state.seconds, 1), "learning_rate": rate, **means}
     state.history.append(line)
     log.info("%s", "  ".join(f"{k} {v:.4g}" for k, v in line.items()))
+
+
+__all__ = ["TrainingError", "TrainingPlan", "TrainingState", "train"]

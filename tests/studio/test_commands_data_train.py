@@ -68,7 +68,7 @@ def clips(monkeypatch) -> None:
         datasets.Clip("formula", f"{action}-{i}", action, None, None, None, "train", movement(24, i))
         for i, action in enumerate(("walk", "walk", "throw", "turn left"))
     ]
-    monkeypatch.setattr(datasets, "load", lambda *_: made)
+    monkeypatch.setattr(datasets, "load", lambda split=None, *_: made if split != "val" else [])
 
 
 def test_prepare_then_list(run, source):
@@ -196,8 +196,8 @@ def test_threads_and_seed_are_passed_on(run, monkeypatch, tmp_path):
 
     def fit(settings, folder, **options):
         told.update(settings=settings, folder=folder, **options)
-        state = type("State", (), {"step": 7, "seconds": 60.0})
-        return state()
+        plan = type("Plan", (), {"steps": 7})
+        return type("State", (), {"step": 7, "seconds": 60.0, "plan": plan})()
 
     monkeypatch.setattr(train, "fit", fit)
     monkeypatch.setattr("torch.set_num_threads", lambda n: told.update(threads=n))
