@@ -66,8 +66,9 @@ def bodies(turns: np.ndarray, path: np.ndarray, skeleton: Skeleton) -> Bodies:
     joints = arrays.place(world, skeleton.offsets, skeleton.parents)
     root = np.asarray(path, np.float64) + skeleton.offsets[0]
     step = np.zeros(root.shape, np.float32)
-    step[..., :-1, :] = np.diff(root, axis=-2)  # before the rounding to float32, which far from the origin is coarse
-    step[..., -1:, :] = step[..., -2:-1, :]
+    if shape[-1] > 1:
+        step[..., :-1, :] = np.diff(root, axis=-2)  # before the rounding to float32, which is coarse far away
+        step[..., -1, :] = step[..., -2, :]
     cosine, sine = facing(joints, skeleton)
     return Bodies(
         shape,

@@ -15,11 +15,10 @@ the frame of the body's own heading, so that neither place nor direction matters
 - contacts have a height as well as a speed, `geometry.contacts`.
 
 **Which source to decode from.** `source="rotations"` takes the 6-D part and reads the root's own tilt from where hips
-and lower spine are: exact where features are, and the only way back to twists, feet, hands and head. Also where they are
-not exact: with noise of a tenth of each part's deviation in all parts, as a network has it, joints come back closer than
-from the positions and turns several times closer (`scripts/features_round_trip.py`; the figures are in its table 3), at a
-fraction of the time. `source="positions"` (`geometry.inverse`) is for features whose rotations are not to be trusted: a
-network that was not trained on them, and the released dialect, whose rotations know no twist.
+and lower spine are: exact where features are, and the only way back to twists, feet, hands and head. It is the better
+one also where they are not exact: see the figures at the end of `scripts/features_round_trip.py`'s output, noise of a
+tenth of each part's deviation. `source="positions"` (`geometry.inverse`) is for features whose rotations are not to be
+trusted: of a network that was not trained on them, or in the released dialect, whose rotations know no twist.
 """
 
 from __future__ import annotations

@@ -91,8 +91,8 @@ class SMPLH(Codec):
         columns = arrays.rot6d_to_columns(arrays.planes(slopes[..., held, :]))
         turns = arrays.unplanes(arrays.rotation_to_quaternion(*columns), features.shape[:-1]).astype(np.float64)
         turn = rotations.yaw_quaternion(np.asarray(start.yaw))
-        turns[..., 0, :] = rotations.multiply(turn, turns[..., 0, :])
-        path = rotations.rotate(turn, self.layout.read(features, "translation"))
+        turns[..., 0, :] = rotations.multiply(turn[..., None, :], turns[..., 0, :])
+        path = rotations.rotate(turn[..., None, :], self.layout.read(features, "translation"))
         path[..., [0, 2]] += np.asarray(start.ground)[..., None, :]
         return continuous(turns), path - self.skeleton.offsets[0], start
 
