@@ -36,7 +36,8 @@ def test_arrows_go_one_way(package: str) -> None:
 
 @pytest.mark.parametrize("folder", ["engines/geometry", "engines/formats", "engines/skeletons", "viewers"])
 def test_no_torch_where_numpy_will_do(folder: str) -> None:
-    only_torch = {"so3.py", "planes.py", "kinematics.py"}  # torch's own Lie maths; kinematics serves both and imports it on demand
+    # torch's own maths; kinematics serves both and imports it on demand
+    only_torch = {"so3.py", "planes.py", "kinematics.py"}
     for path in (ROOT / folder).rglob("*.py"):
         if path.name not in only_torch and path.name != "bake_anny.py":
             assert not any(name.split(".")[0] == "torch" for name in imported(path)), path.relative_to(ROOT)
