@@ -44,6 +44,8 @@ class HumanML3D:
 
     fps = 20.0
     joints = 22
+    codec = "humanml3d-official"
+    """How `new_joint_vecs` are to be read, of `engines.features`."""
     roles: Mapping[str, int] = {role: index for index, role in enumerate(SMPL22.joints)}
 
     def clips(self, folder: Path) -> Iterator[ClipInfo]:
@@ -90,7 +92,10 @@ class HumanML3D:
         """Features (T, D) back to a motion."""
         if values.shape[1] != self.features or len(values) == 0:
             raise FormatError(path, f"has shape {values.shape}; accepted: (frames, {self.features}).")
-        raise FormatError(path, "new_joint_vecs are not decoded here; put new_joints beside them, which are read.")
+        from engines import features
+
+        # these files are made by the released code, whose way of counting is a codec of its own
+        return from_joints(path, features.get(self.codec).positions(values), self.roles, self.fps)
 
 
 def read_sentences(path: Path) -> tuple[Timed, ...]:

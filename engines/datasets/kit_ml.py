@@ -38,4 +38,5 @@ class KITML(HumanML3D):
 
     fps = 12.5
     joints = 21
+    codec = "kit-official"
     roles: ClassVar = KIT21

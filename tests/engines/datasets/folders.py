@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from engines import features
 from engines.datasets.kit_ml import KIT21
 from engines.datasets.ntu_rgbd import VIBE18, VIBE49
 from engines.formats import amass, bvh
@@ -69,6 +70,15 @@ def humanml3d(root: Path) -> Path:
     (root / "train.txt").write_text("000000\nM000000\n000009\n")
     (root / "val.txt").write_text("000002\n")
     (root / "test.txt").write_text("000001\n")
+    return root
+
+
+def vectors(root: Path, motion: Motion, codec: str) -> Path:
+    """A folder that has features but no joints."""
+    (root / "new_joint_vecs").mkdir(parents=True)
+    (root / "texts").mkdir()
+    np.save(root / "new_joint_vecs" / "000000.npy", features.get(codec).encode(motion))
+    (root / "texts" / "000000.txt").write_text("a person waves.#a/DET person/NOUN wave/VERB#0.0#0.0\n")
     return root
 
 

@@ -102,6 +102,23 @@ def test_humanml3d_mirrored_ids_are_the_mirror_image(tmp_path: Path) -> None:
     assert height(mirrored, "right_wrist") > height(mirrored, "neck") > height(mirrored, "left_wrist")
 
 
+@pytest.mark.parametrize("name", ["humanml3d", "kit-ml"])
+def test_features_are_read_where_there_are_no_joints(name: str, tmp_path: Path) -> None:
+    corpus = CORPORA[name]
+    expected = folders.wave(fps=20.0 if name == "humanml3d" else 12.5)
+    root = folders.vectors(tmp_path / "data", expected, f"{name.removesuffix('-ml')}-official")
+    (clip,) = corpus.clips(tmp_path)
+    motion = corpus.read(clip)
+    expected = expected.resample(HOUSE_FPS).on_ground()
+    count = min(len(motion), len(expected))
+    assert count >= len(expected) - 2, "the last frame is lost to velocities"
+    error = np.linalg.norm(motion.positions[:count] - expected.positions[:count], axis=-1)
+    assert error.mean() < 0.05, f"{error.mean():.3f} m"
+    np.save(root / "new_joint_vecs" / "000000.npy", np.zeros((9, 260), dtype=np.float32))
+    with pytest.raises(FormatError, match=r"has shape \(9, 260\); accepted: \(frames, 2"):
+        corpus.read(clip)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
