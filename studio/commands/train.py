@@ -76,7 +76,7 @@ def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom train action2motion --data cmu,bandai-namco --set learning_rate=0.0005 --set patience=10 --run runs/a
 
-    torchrun --nproc-per-node 2 -m studio.cli train action2motion --run runs/b
+    torchrun --nproc-per-node 2 -m -- studio.cli train action2motion --run runs/b
 
     Watch runs/.../losses.html in a browser. Ctrl+C saves and stops; the same command goes on from there, as if it had
     not been stopped, also after a crash (from the last checkpoint), and remembers settings that are not given again.

@@ -108,6 +108,19 @@ def test_list_without_a_cache_says_what_to_do(run):
         (["train", "action2motion", "--run", "r", "--preset", "papers"], "did you mean 'paper'"),
         (["train", "action2motion", "--run", "r", "--steps", "0"], "--steps is 0"),
         (["train", "action2motion", "--run", "r", "--threads", "0"], "--threads is 0"),
+        (
+            ["train", "action2motion", "--run", "r", "--data", "cmu,utd"],
+            "unknown corpus 'utd'; did you mean 'utd-mhad'",
+        ),
+        (["train", "action2motion", "--run", "r", "--data", ","], "names of corpora"),
+        (["train", "action2motion", "--run", "r", "--set", "learning_rat=1"], "did you mean 'learning_rate'"),
+        (["train", "action2motion", "--run", "r", "--set", "steps=1.5"], "steps is '1.5'; accepted: a whole number"),
+        (["train", "action2motion", "--run", "r", "--set", "seed=1"], "the option --seed 1"),
+        (
+            ["train", "action2motion", "--run", "r", "--set", "decoder=gru"],
+            "accepted: plain or lie or glmi-m or glmi-r",
+        ),
+        (["train", "action2motion", "--run", "r", "--weights", "first"], "unknown weights 'first'"),
         (["train", "action2motion", "--run", "r", "--export", "a.pt"], "a file ending in .safetensors"),
         (["train", "action2motion", "--run", "r"], "motionloom data prepare"),
     ],
@@ -189,6 +202,39 @@ def test_a_checkpoint_that_does_not_fit_is_refused(run, small, clips, tmp_path):
     code, _, err = run("train", "action2motion", "--run", "run", "--steps", "2")
     assert code == 1
     assert "checkpoint.pt: cannot resume" in err
+
+
+def test_settings_are_remembered_where_a_run_goes_on(run, small, clips, tmp_path):
+    command = ("train", "action2motion", "--run", "run")
+    first = ("--decoder", "lie", "--set", "kl_weight=0.5,0.5", "--set", "log_every=1", "--steps", "2")
+    assert run(*command, *first)[0] == 0
+    assert run(*command, "--steps", "3", "--resume")[1].startswith("run: 3 steps")
+    kept = json.loads((tmp_path / "run" / "config.json").read_text())
+    assert (kept["decoder"], kept["kl_weight"], kept["steps"]) == ("lie", [0.5, 0.5], 3)
+    about = json.loads((tmp_path / "run" / "training.json").read_text())
+    assert (about["plan"]["log_every"], about["plan"]["steps"], about["resumed_at"]) == (1, 3, 2)
+    assert [line["step"] for line in json.loads((tmp_path / "run" / "history.json").read_text())] == [1, 2, 3]
+    assert run(*command, "--steps", "1", "--fresh")[1].startswith("run: 1 steps")
+    assert json.loads((tmp_path / "run" / "config.json").read_text())["decoder"] == "glmi-m", "nothing is remembered"
+    code, _, err = run("train", "action2motion", "--run", "new", "--resume")
+    assert (code, "no checkpoint to go on from" in err) == (1, True)
+    (tmp_path / "run" / "training.json").write_text("{")
+    code, _, err = run(*command)
+    assert (code, "training.json: cannot be read" in err) == (1, True)
+
+
+def test_corpora_are_chosen_and_remembered(run, small, clips, monkeypatch, tmp_path):
+    asked, load = [], datasets.load
+
+    def watched(split=None, corpora=None, *_):
+        asked.append((split, corpora))
+        return load(split)
+
+    monkeypatch.setattr(datasets, "load", watched)
+    command = ("train", "action2motion", "--run", "run", "--steps")
+    assert run(*command, "1", "--data", "cmu, utd-mhad")[0] == 0
+    assert run(*command, "2")[0] == 0
+    assert asked == [("train", ["cmu", "utd-mhad"]), ("val", ["cmu", "utd-mhad"])] * 2
 
 
 def test_threads_and_seed_are_passed_on(run, monkeypatch, tmp_path):

@@ -67,7 +67,8 @@ def test_killed_and_resumed_it_gives_the_same_losses(tmp_path: Path, made_up) ->
 @pytest.mark.parametrize("feed_rounds", [0, 1])
 def test_two_processes_learn_what_one_does_with_the_whole_batch(tmp_path: Path, made_up, feed_rounds: int) -> None:
     rounds = ("--set", f"feed_rounds={feed_rounds}", "--export", str(tmp_path / "two.safetensors"))
-    launcher = ["-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2", "-m"]
+    # the two dashes, because torchrun would take --run for its own --run-path
+    launcher = ["-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2", "-m", "--"]
     arguments = [sys.executable, *launcher, *command(tmp_path / "two", 12, *rounds)]
     done = subprocess.run(arguments, cwd=ROOT, capture_output=True, text=True, check=False, timeout=280)
     assert done.returncode == 0, done.stderr
