@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Float
 
+from engines.motion import Motion
 from engines.skeletons import Skeleton, roles
-
-if TYPE_CHECKING:
-    from engines.motion import Motion
 
 FLOOR_PERCENTILE = 2.0
 """The floor lies at this percentile of the lowest foot point over time, so that one noisy frame does not move it."""
@@ -31,7 +29,7 @@ class Placement:
         return motion.moved(yaw=self.yaw).moved(self.origin)
 
 
-def across(positions: np.ndarray, skeleton: Skeleton) -> np.ndarray:
+def across(positions: Float[np.ndarray, "T J 3"], skeleton: Skeleton) -> Float[np.ndarray, "T 3"]:
     """(T, 3) direction from the body's right to its left, summed over hips, collars and shoulders.
 
     Of a body in whose names none of these is found, over the left/right pairs that hang from an unpaired joint.
@@ -57,7 +55,7 @@ def _topmost_pairs(skeleton: Skeleton) -> tuple[tuple[int, int], ...]:
     return tuple((left, right) for left, right in pairs if skeleton.parents[left] not in paired)
 
 
-def heading(positions: np.ndarray, skeleton: Skeleton) -> np.ndarray:
+def heading(positions: Float[np.ndarray, "T J 3"], skeleton: Skeleton) -> Float[np.ndarray, " T"]:
     """(T,) yaw in radians: 0 faces +Z, positive turns towards +X. Continuous in time (unwrapped).
 
     Facing is across x up, over hips and shoulders; for a skeleton without left and right it is zero.
@@ -88,7 +86,7 @@ def leg_length(skeleton: Skeleton) -> float:
     return float(np.mean(lengths))
 
 
-def floor_height(positions: np.ndarray, skeleton: Skeleton) -> float:
+def floor_height(positions: Float[np.ndarray, "T J 3"], skeleton: Skeleton) -> float:
     """Height of the floor under a motion: a low percentile of the lowest foot joint, less that joint's clearance."""
     feet = [skeleton.index(name) for foot in skeleton.feet for name in foot] or list(range(len(skeleton)))
     lowest = positions[:, feet, 1].min(axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from engines.skeletons.skeleton import Skeleton
 
@@ -12,8 +13,8 @@ HEIGHT_MARGIN = 0.06
 """... if it is also no higher than this above where that joint stands, in metres."""
 
 
-def joint_speed(positions: np.ndarray, fps: float) -> np.ndarray:
-    """Speed (T, ...) in m/s of points (T, ..., 3): the mean over the steps before and after each frame."""
+def joint_speed(positions: Float[np.ndarray, "T *points D"], fps: float) -> Float[np.ndarray, " T *points"]:
+    """Speed (T, ...), m/s, of points (T, ..., D) of D axes: the mean over the steps before and after each frame."""
     if len(positions) < 2:
         return np.zeros(positions.shape[:-1])
     step = np.linalg.norm(np.diff(positions, axis=0), axis=-1) * fps
@@ -21,7 +22,7 @@ def joint_speed(positions: np.ndarray, fps: float) -> np.ndarray:
     return (padded[:-1] + padded[1:]) / 2
 
 
-def detect(positions: np.ndarray, fps: float, skeleton: Skeleton) -> np.ndarray:
+def detect(positions: Float[np.ndarray, "T J 3"], fps: float, skeleton: Skeleton) -> Bool[np.ndarray, "T feet 2"]:
     """Contacts (T, feet, 2) of ankle and toe, by low speed and low height.
 
     A joint's standing height is its own 5th percentile over the motion, at most the skeleton's rest height above
@@ -40,4 +41,4 @@ def detect(positions: np.ndarray, fps: float, skeleton: Skeleton) -> np.ndarray:
     standing = np.minimum(np.percentile(feet[..., 1], 5, axis=0), rest + 0.03)
     low = feet[..., 1] < standing + HEIGHT_MARGIN
     slow = joint_speed(feet, fps) < SPEED_LIMIT
-    return (low & slow).reshape(len(positions), len(skeleton.feet), 2)
+    return (low & slow).reshape(len(positions), len(skeleton.feet), 2)  # (T, feet * 2) -> (T, feet, 2)

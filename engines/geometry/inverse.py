@@ -8,6 +8,7 @@ parent. That choice is one small least-squares problem per limb over all frames,
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 from scipy.linalg import solveh_banded
 
 from engines.errors import SkeletonError
@@ -25,7 +26,9 @@ _HARDLY_BENT = 0.1
 """Squared sine of a bend (18 degrees) up to which the side a limb bends to may be noise."""
 
 
-def inverse(positions: np.ndarray, skeleton: Skeleton) -> tuple[np.ndarray, np.ndarray]:
+def inverse(
+    positions: Float[np.ndarray, "T J 3"], skeleton: Skeleton
+) -> tuple[Float[np.ndarray, "T J 4"], Float[np.ndarray, "T 3"]]:
     """Parent-relative rotations whose forward kinematics gives the positions.
 
     Exact (rounding) where the bone lengths agree with the skeleton's; elsewhere bones keep the skeleton's length
@@ -46,14 +49,14 @@ def inverse(positions: np.ndarray, skeleton: Skeleton) -> tuple[np.ndarray, np.n
         raise SkeletonError(f"positions have shape {positions.shape}; accepted: (frames, {len(skeleton)}, 3).")
     if not np.isfinite(positions).all():
         raise SkeletonError("positions hold values that are not finite numbers.")
-    world = np.empty((len(skeleton), len(positions), 4))
+    world = np.empty((len(skeleton), len(positions), 4))  # (J, T, 4): joint by joint, each over all frames
     for joint in range(len(skeleton)):
         above = world[skeleton.parents[joint]] if joint else np.tile(rotations.IDENTITY, (len(positions), 1))
         world[joint] = _world_rotation(joint, above, positions, skeleton)
     local = np.array(world)
     parents = np.array(skeleton.parents[1:], dtype=int)
     local[1:] = rotations.multiply(rotations.invert(world[parents]), world[1:])
-    turns = rotations.continuous(rotations.normalise(local.swapaxes(0, 1)))
+    turns = rotations.continuous(rotations.normalise(local.swapaxes(0, 1)))  # (J, T, 4) -> (T, J, 4)
     return turns, positions[:, 0] - skeleton.offsets[0]
 
 

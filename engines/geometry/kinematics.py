@@ -10,6 +10,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
+
+Array = Any
+"""A NumPy array or a torch tensor; every argument of a call is of the same library, and so is what comes back."""
 
 
 @lru_cache(maxsize=64)
@@ -21,7 +25,7 @@ def depth_levels(parents: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(j for j, d in enumerate(depth) if d == level) for level in range(max(depth) + 1))
 
 
-def global_rotations(rotations: Any, parents: tuple[int, ...]) -> Any:
+def global_rotations(rotations: Float[Array, "*batch J 3 3"], parents: tuple[int, ...]) -> Float[Array, "*batch J 3 3"]:
     """Parent-relative rotation matrices (..., J, 3, 3) -> rotations relative to the world, same shape and type."""
     levels = depth_levels(tuple(parents))
     result = [None] * len(parents)
@@ -34,7 +38,12 @@ def global_rotations(rotations: Any, parents: tuple[int, ...]) -> Any:
     return _stack(result, rotations)
 
 
-def forward_kinematics(rotations: Any, translation: Any, offsets: Any, parents: tuple[int, ...]) -> tuple[Any, Any]:
+def forward_kinematics(
+    rotations: Float[Array, "*batch J 3 3"],
+    translation: Float[Array, "*#batch 3"],
+    offsets: Float[Array, "*#batch J 3"],
+    parents: tuple[int, ...],
+) -> tuple[Float[Array, "*batch J 3"], Float[Array, "*batch J 3 3"]]:
     """Joint positions from parent-relative rotations (thesis eq. 3.4, for a tree with one rotation a joint).
 
     Args:
@@ -48,7 +57,7 @@ def forward_kinematics(rotations: Any, translation: Any, offsets: Any, parents: 
     """
     world = global_rotations(rotations, parents)
     above = world[..., [max(parent, 0) for parent in parents], :, :]
-    bones = (above @ offsets[..., None])[..., 0]
+    bones = (above @ offsets[..., None])[..., 0]  # (..., J, 3, 3) @ (..., J, 3, 1) -> (..., J, 3)
     result = [None] * len(parents)
     result[0] = translation + offsets[..., 0, :]
     for level in depth_levels(tuple(parents))[1:]:

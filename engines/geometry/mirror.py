@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import numpy as np
+from jaxtyping import Float
 
 from engines.errors import SkeletonError
 from engines.skeletons.skeleton import Skeleton
@@ -13,7 +14,9 @@ ASYMMETRY_LIMIT = 0.05
 """How far a joint of the rest pose may lie from its partner's mirror image, as a share of the body's extent."""
 
 
-def mirror(turns: np.ndarray, path: np.ndarray, skeleton: Skeleton) -> tuple[np.ndarray, np.ndarray]:
+def mirror(
+    turns: Float[np.ndarray, "T J 4"], path: Float[np.ndarray, "T 3"], skeleton: Skeleton
+) -> tuple[Float[np.ndarray, "T J 4"], Float[np.ndarray, "T 3"]]:
     """Rotations (T, J, 4) and root path (T, 3) reflected in the plane x = 0, paired joints changing places.
 
     A reflection S = diag(-1, 1, 1) turns a rotation R into S R S: the quaternion keeps w and x and flips y and z. That
@@ -27,7 +30,7 @@ def mirror(turns: np.ndarray, path: np.ndarray, skeleton: Skeleton) -> tuple[np.
     return turns, np.asarray(path) * np.array([-1.0, 1.0, 1.0])
 
 
-def asymmetry(skeleton: Skeleton) -> np.ndarray:
+def asymmetry(skeleton: Skeleton) -> Float[np.ndarray, " J"]:
     """(J,) metres between each joint of the rest pose and the mirror image of the joint that takes its place."""
     rest = skeleton.rest_positions
     return np.linalg.norm(rest[skeleton.mirror_index] * np.array([-1.0, 1.0, 1.0]) - rest, axis=-1)

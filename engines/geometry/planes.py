@@ -12,12 +12,13 @@ from itertools import pairwise
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from engines.geometry.kinematics import depth_levels
 
 
-def exp(rotvec: Tensor, smallest: float = 1e-8) -> Tensor:
+def exp(rotvec: Float[Tensor, " 3 *many"], smallest: float = 1e-8) -> Float[Tensor, "3 3 *many"]:
     """Rodrigues' formula (thesis eq. 3.2): rotation vectors (3, ...), radians -> matrices (3, 3, ...).
 
     Args:
@@ -36,10 +37,10 @@ def exp(rotvec: Tensor, smallest: float = 1e-8) -> Tensor:
         bxy + az, 1 - second * (xx + zz), byz - ax,
         bxz - ay, byz + ax, 1 - second * (xx + yy),
     ]  # fmt: skip
-    return torch.stack(planes).unflatten(0, (3, 3))
+    return torch.stack(planes).unflatten(0, (3, 3))  # (9, ...) -> (3, 3, ...)
 
 
-def world(local: Tensor, parents: tuple[int, ...]) -> Tensor:
+def world(local: Float[Tensor, "3 3 J N"], parents: tuple[int, ...]) -> Float[Tensor, "3 3 J N"]:
     """Parent-relative rotations (3, 3, J, N) accumulated from the root, same shape, a level of the tree at a time."""
     above, order = _plan(parents)
     worlds = [local[:, :, :1]]
@@ -50,17 +51,19 @@ def world(local: Tensor, parents: tuple[int, ...]) -> Tensor:
     return torch.cat(worlds, dim=2)[:, :, order]
 
 
-def turn(matrices: Tensor, vectors: Tensor) -> Tensor:
+def turn(matrices: Float[Tensor, "3 3 J N"], vectors: Float[Tensor, "3 J #N"]) -> Float[Tensor, "3 J N"]:
     """Matrices (3, 3, J, N) times vectors (3, J, N) or (3, J, 1) -> (3, J, N)."""
     return matrices[:, 0] * vectors[0] + matrices[:, 1] * vectors[1] + matrices[:, 2] * vectors[2]
 
 
-def place(bones: Tensor, parents: tuple[int, ...]) -> Tensor:
+def place(bones: Float[Tensor, "3 J N"], parents: tuple[int, ...]) -> Float[Tensor, "3 J N"]:
     """Vectors from each joint's parent to it (3, J, N) -> where the joints are, the root at its own vector."""
     return torch.from_numpy(_paths(parents)).to(bones) @ bones
 
 
-def forward_kinematics(rotvec: Tensor, offsets: Tensor, parents: tuple[int, ...]) -> tuple[Tensor, Tensor]:
+def forward_kinematics(
+    rotvec: Float[Tensor, "*batch J 3"], offsets: Float[Tensor, "J 3"], parents: tuple[int, ...]
+) -> tuple[Float[Tensor, "*batch J 3"], Float[Tensor, "*batch J 3 3"]]:
     """Rotation vectors to joints (thesis eq. 3.4).
 
     Args:
@@ -72,11 +75,11 @@ def forward_kinematics(rotvec: Tensor, offsets: Tensor, parents: tuple[int, ...]
         positions (..., J, 3) and local rotation matrices (..., J, 3, 3).
     """
     shape = rotvec.shape[:-2]
-    local = exp(rotvec.reshape(-1, *rotvec.shape[-2:]).permute(2, 1, 0).contiguous())
+    local = exp(rotvec.reshape(-1, *rotvec.shape[-2:]).permute(2, 1, 0).contiguous())  # (N, J, 3) -> (3, 3, J, N)
     above = world(local, parents)[:, :, list(parents[1:])]
-    rest = offsets.to(local).t()[:, :, None]
+    rest = offsets.to(local).t()[:, :, None]  # (J, 3) -> (3, J, 1)
     bones = torch.cat([rest[:, :1].expand(-1, -1, local.shape[-1]), turn(above, rest[:, 1:])], dim=1)
-    positions = place(bones, parents).permute(2, 1, 0).reshape(*shape, -1, 3)
+    positions = place(bones, parents).permute(2, 1, 0).reshape(*shape, -1, 3)  # (3, J, N) -> (..., J, 3)
     return positions, local.permute(3, 2, 0, 1).reshape(*shape, -1, 3, 3)
 
 

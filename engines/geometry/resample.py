@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
 from engines.geometry import rotations
 
 
-def resample(turns: np.ndarray, path: np.ndarray, fps: float, new_fps: float) -> tuple[np.ndarray, np.ndarray]:
+def resample(
+    turns: Float[np.ndarray, "T J 4"], path: Float[np.ndarray, "T 3"], fps: float, new_fps: float
+) -> tuple[Float[np.ndarray, "N J 4"], Float[np.ndarray, "N 3"]]:
     """Rotations (T, J, 4) by slerp and root path (T, 3) linearly from `fps` to `new_fps`.
 
     The new frames start at the first frame and stay within the last, so a clip of T frames gives

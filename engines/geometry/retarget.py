@@ -9,16 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from engines.errors import SkeletonError
 from engines.geometry import canonical, inverse, kinematics, rotations
+from engines.motion import Motion
 from engines.skeletons import SMPL22, Skeleton, roles
-
-if TYPE_CHECKING:
-    from engines.motion import Motion
 
 _NEEDED = (
     "pelvis", "neck", "left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle",
@@ -149,7 +148,7 @@ def _from_world(motion: Motion, target: Skeleton, by_joint: Mapping[str, np.ndar
     return replace(motion, skeleton=target, rotations=turns, translation=root - target.offsets[0])
 
 
-def from_points(points: Mapping[str, np.ndarray], fps: float, *, upright: bool = False) -> Motion:
+def from_points(points: Mapping[str, Float[np.ndarray, "T 3"]], fps: float, *, upright: bool = False) -> Motion:
     """A pose of `smpl22` from the positions of the joints that are known.
 
     The torso's frames come from hips and shoulders, limbs point the way the points do, and twists are found by
@@ -164,8 +163,6 @@ def from_points(points: Mapping[str, np.ndarray], fps: float, *, upright: bool =
     Raises:
         SkeletonError: joints are missing; the message names them.
     """
-    from engines.motion import Motion
-
     missing = [role for role in _NEEDED if role not in points]
     if missing:
         raise SkeletonError(f"the pose lacks {', '.join(missing)}; needed are {', '.join(_NEEDED)}.")

@@ -7,6 +7,7 @@ scalar-first quaternion order. The torch counterpart is the `roma` library.
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
@@ -24,10 +25,10 @@ def _apply(values: np.ndarray, item_ndim: int, convert) -> np.ndarray:
     return result.reshape(*lead, *result.shape[1:])
 
 
-def quaternion_to_matrix(quaternion: np.ndarray) -> np.ndarray:
+def quaternion_to_matrix(quaternion: Float[np.ndarray, "*batch 4"]) -> Float[np.ndarray, "*batch 3 3"]:
     """(..., 4) wxyz -> (..., 3, 3). Not a library call only because this closed form is several times faster."""
     q = np.asarray(quaternion, dtype=np.float64)
-    w, x, y, z = np.moveaxis(q, -1, 0)
+    w, x, y, z = np.moveaxis(q, -1, 0)  # (..., 4) -> 4 of (...)
     scale = 2.0 / np.maximum((q * q).sum(-1), np.finfo(np.float64).tiny)
     matrix = np.empty((*q.shape[:-1], 3, 3))
     matrix[..., 0, 0] = 1 - scale * (y * y + z * z)
@@ -42,37 +43,37 @@ def quaternion_to_matrix(quaternion: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def matrix_to_quaternion(matrix: np.ndarray) -> np.ndarray:
+def matrix_to_quaternion(matrix: Float[np.ndarray, "*batch 3 3"]) -> Float[np.ndarray, "*batch 4"]:
     """(..., 3, 3) -> (..., 4) wxyz with w >= 0. A near-rotation is projected onto the nearest one."""
     return _apply(matrix, 2, lambda m: Rotation.from_matrix(m).as_quat(canonical=True, scalar_first=True))
 
 
-def rotvec_to_quaternion(rotvec: np.ndarray) -> np.ndarray:
+def rotvec_to_quaternion(rotvec: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 4"]:
     """(..., 3) axis times angle, radians -> (..., 4) wxyz."""
     return _apply(rotvec, 1, lambda v: Rotation.from_rotvec(v).as_quat(scalar_first=True))
 
 
-def quaternion_to_rotvec(quaternion: np.ndarray) -> np.ndarray:
+def quaternion_to_rotvec(quaternion: Float[np.ndarray, "*batch 4"]) -> Float[np.ndarray, "*batch 3"]:
     """(..., 4) wxyz -> (..., 3) axis times angle, angle in [0, pi]."""
     return _apply(quaternion, 1, lambda q: Rotation.from_quat(q, scalar_first=True).as_rotvec())
 
 
-def rotvec_to_matrix(rotvec: np.ndarray) -> np.ndarray:
+def rotvec_to_matrix(rotvec: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3 3"]:
     """(..., 3) axis times angle, radians -> (..., 3, 3)."""
     return _apply(rotvec, 1, lambda v: Rotation.from_rotvec(v).as_matrix())
 
 
-def matrix_to_rotvec(matrix: np.ndarray) -> np.ndarray:
+def matrix_to_rotvec(matrix: Float[np.ndarray, "*batch 3 3"]) -> Float[np.ndarray, "*batch 3"]:
     """(..., 3, 3) -> (..., 3) axis times angle, angle in [0, pi]."""
     return _apply(matrix, 2, lambda m: Rotation.from_matrix(m).as_rotvec())
 
 
-def euler_to_quaternion(angles: np.ndarray, order: str) -> np.ndarray:
+def euler_to_quaternion(angles: Float[np.ndarray, "*batch 3"], order: str) -> Float[np.ndarray, "*batch 4"]:
     """(..., 3) intrinsic Euler angles in radians, applied in `order` ("ZXY", ...) -> (..., 4) wxyz."""
     return _apply(angles, 1, lambda e: Rotation.from_euler(order.upper(), e).as_quat(scalar_first=True))
 
 
-def quaternion_to_euler(quaternion: np.ndarray, order: str) -> np.ndarray:
+def quaternion_to_euler(quaternion: Float[np.ndarray, "*batch 4"], order: str) -> Float[np.ndarray, "*batch 3"]:
     """(..., 4) wxyz -> (..., 3) intrinsic Euler angles in radians, in `order` ("ZXY", ...).
 
     At gimbal lock the third angle is set to zero (the rotation is still right).
@@ -84,13 +85,13 @@ def quaternion_to_euler(quaternion: np.ndarray, order: str) -> np.ndarray:
         return _apply(quaternion, 1, lambda q: Rotation.from_quat(q, scalar_first=True).as_euler(order.upper()))
 
 
-def matrix_to_rot6d(matrix: np.ndarray) -> np.ndarray:
+def matrix_to_rot6d(matrix: Float[np.ndarray, "*batch 3 3"]) -> Float[np.ndarray, "*batch 6"]:
     """(..., 3, 3) -> (..., 6): the first two columns, one after the other (Zhou et al. 2019)."""
     matrix = np.asarray(matrix)
     return np.concatenate([matrix[..., 0], matrix[..., 1]], axis=-1)
 
 
-def rot6d_to_matrix(rot6d: np.ndarray) -> np.ndarray:
+def rot6d_to_matrix(rot6d: Float[np.ndarray, "*batch 6"]) -> Float[np.ndarray, "*batch 3 3"]:
     """(..., 6) two columns, not necessarily orthonormal -> (..., 3, 3) by Gram-Schmidt."""
     rot6d = np.asarray(rot6d, dtype=np.float64)
     first = normalise(rot6d[..., :3])
@@ -99,14 +100,16 @@ def rot6d_to_matrix(rot6d: np.ndarray) -> np.ndarray:
     return np.stack([first, second, np.cross(first, second)], axis=-1)
 
 
-def normalise(vectors: np.ndarray) -> np.ndarray:
+def normalise(vectors: Float[np.ndarray, "*batch N"]) -> Float[np.ndarray, "*batch N"]:
     """(..., N) -> the same with unit length along the last axis; zero vectors stay zero."""
     vectors = np.asarray(vectors, dtype=np.float64)
     norm = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(norm > 0, norm, 1.0)
 
 
-def multiply(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+def multiply(
+    left: Float[np.ndarray, "*#batch 4"], right: Float[np.ndarray, "*#batch 4"]
+) -> Float[np.ndarray, "*batch 4"]:
     """Hamilton product of quaternions (..., 4) wxyz: first `right`, then `left`."""
     lw, lx, ly, lz = np.moveaxis(np.asarray(left, dtype=np.float64), -1, 0)
     rw, rx, ry, rz = np.moveaxis(np.asarray(right, dtype=np.float64), -1, 0)
@@ -121,12 +124,14 @@ def multiply(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     )
 
 
-def invert(quaternion: np.ndarray) -> np.ndarray:
+def invert(quaternion: Float[np.ndarray, "*batch 4"]) -> Float[np.ndarray, "*batch 4"]:
     """Inverse of unit quaternions (..., 4) wxyz."""
     return np.asarray(quaternion, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
 
 
-def rotate(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def rotate(
+    quaternion: Float[np.ndarray, "*#batch 4"], vectors: Float[np.ndarray, "*#batch 3"]
+) -> Float[np.ndarray, "*batch 3"]:
     """Vectors (..., 3) turned by quaternions (..., 4) wxyz; leading dimensions broadcast."""
     quaternion, vectors = np.asarray(quaternion, np.float64), np.asarray(vectors, np.float64)
     axis, w = quaternion[..., 1:], quaternion[..., :1]
@@ -134,7 +139,9 @@ def rotate(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return vectors + w * twice + np.cross(axis, twice)
 
 
-def between(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def between(
+    start: Float[np.ndarray, "*#batch 3"], end: Float[np.ndarray, "*#batch 3"]
+) -> Float[np.ndarray, "*batch 4"]:
     """Shortest rotation (..., 4) wxyz that turns directions `start` (..., 3) onto `end` (..., 3).
 
     Opposite directions turn half a circle about some axis across them; a zero vector gives the identity.
@@ -149,13 +156,13 @@ def between(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     return np.where(np.linalg.norm(quaternion, axis=-1, keepdims=True) > 0, quaternion, IDENTITY)
 
 
-def angle(quaternion: np.ndarray) -> np.ndarray:
-    """Rotation angle (...) in [0, pi] of unit quaternions (..., 4) wxyz."""
+def angle(quaternion: Float[np.ndarray, "*batch 4"]) -> Float[np.ndarray | np.floating, "*batch"]:
+    """Rotation angle (...) in [0, pi] of unit quaternions (..., 4) wxyz; of one quaternion, one number."""
     quaternion = np.asarray(quaternion, dtype=np.float64)
     return 2.0 * np.arctan2(np.linalg.norm(quaternion[..., 1:], axis=-1), np.abs(quaternion[..., 0]))
 
 
-def continuous(quaternion: np.ndarray) -> np.ndarray:
+def continuous(quaternion: Float[np.ndarray, "T *batch 4"]) -> Float[np.ndarray, "T *batch 4"]:
     """(T, ..., 4) with signs chosen so that neighbours in time lie on the same hemisphere."""
     quaternion = np.array(quaternion, dtype=np.float64)
     if len(quaternion) > 1:
@@ -165,7 +172,9 @@ def continuous(quaternion: np.ndarray) -> np.ndarray:
     return quaternion
 
 
-def slerp(times: np.ndarray, quaternion: np.ndarray, new_times: np.ndarray) -> np.ndarray:
+def slerp(
+    times: Float[np.ndarray, " T"], quaternion: Float[np.ndarray, "T J 4"], new_times: Float[np.ndarray, " N"]
+) -> Float[np.ndarray, "N J 4"]:
     """Spherical interpolation of (T, J, 4) wxyz given at increasing `times` (T,) to `new_times` (N,) -> (N, J, 4).
 
     Written out because scipy's Slerp takes one track at a time.
@@ -183,7 +192,7 @@ def slerp(times: np.ndarray, quaternion: np.ndarray, new_times: np.ndarray) -> n
     return normalise(first[..., None] * start + second[..., None] * end)
 
 
-def yaw_quaternion(yaw: np.ndarray) -> np.ndarray:
+def yaw_quaternion(yaw: Float[np.ndarray, "*batch"] | float) -> Float[np.ndarray, "*batch 4"]:
     """Rotation about +Y by `yaw` (...) radians -> (..., 4) wxyz; yaw 0 faces +Z, positive turns towards +X."""
     half = np.asarray(yaw, dtype=np.float64) / 2
     zero = np.zeros_like(half)

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import roma
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 
-def hat(rotvec: Tensor) -> Tensor:
+def hat(rotvec: Float[Tensor, "*batch 3"]) -> Float[Tensor, "*batch 3 3"]:
     """The skew-symmetric matrix of a rotation vector (thesis eq. 3.2): `hat(w) @ x` is the cross product of w and x.
 
     Args:
@@ -26,7 +27,7 @@ def hat(rotvec: Tensor) -> Tensor:
     return torch.stack([zero, -z, y, z, zero, -x, -y, x, zero], dim=-1).unflatten(-1, (3, 3))
 
 
-def vee(matrix: Tensor) -> Tensor:
+def vee(matrix: Float[Tensor, "*batch 3 3"]) -> Float[Tensor, "*batch 3"]:
     """The rotation vector of a skew-symmetric matrix, inverse of `hat`; a symmetric part is ignored.
 
     Args:
@@ -39,7 +40,7 @@ def vee(matrix: Tensor) -> Tensor:
     return torch.stack([skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0]], dim=-1)
 
 
-def rotvec_to_matrix(rotvec: Tensor) -> Tensor:
+def rotvec_to_matrix(rotvec: Float[Tensor, "*batch 3"]) -> Float[Tensor, "*batch 3 3"]:
     """Exponential map so(3) -> SO(3).
 
     Args:
@@ -51,7 +52,7 @@ def rotvec_to_matrix(rotvec: Tensor) -> Tensor:
     return roma.rotvec_to_rotmat(rotvec)
 
 
-def matrix_to_rotvec(matrix: Tensor) -> Tensor:
+def matrix_to_rotvec(matrix: Float[Tensor, "*batch 3 3"]) -> Float[Tensor, "*batch 3"]:
     """Logarithm SO(3) -> so(3) (thesis eq. 3.3, also where that formula fails: identity and half a turn).
 
     Args:
