@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from engines.errors import OutOfRangeError, SkeletonError
 from engines.geometry import contacts as foot_contacts
@@ -67,9 +68,9 @@ class Motion:
     """
 
     skeleton: Skeleton
-    rotations: np.ndarray
+    rotations: Float[np.ndarray, "T J 4"]
     """(T, J, 4) unit quaternions wxyz, parent-relative."""
-    translation: np.ndarray
+    translation: Float[np.ndarray, "T 3"]
     """(T, 3) root position, metres."""
     fps: float
     """Frames a second."""
@@ -126,17 +127,17 @@ class Motion:
         return len(self) / self.fps
 
     @cached_property
-    def positions(self) -> np.ndarray:
+    def positions(self) -> Float[np.ndarray, "T J 3"]:
         """(T, J, 3) joint positions, metres."""
         return self._kinematics[0]
 
     @cached_property
-    def global_rotations(self) -> np.ndarray:
+    def global_rotations(self) -> Float[np.ndarray, "T J 3 3"]:
         """(T, J, 3, 3) rotation of each joint relative to the world."""
         return self._kinematics[1]
 
     @cached_property
-    def _kinematics(self) -> tuple[np.ndarray, np.ndarray]:
+    def _kinematics(self) -> tuple[Float[np.ndarray, "T J 3"], Float[np.ndarray, "T J 3 3"]]:
         local = rotations.quaternion_to_matrix(self.rotations)
         places, turns = kinematics.forward_kinematics(
             local, self.translation, self.skeleton.offsets, self.skeleton.parents
@@ -146,12 +147,12 @@ class Motion:
         return places, turns
 
     @cached_property
-    def contacts(self) -> np.ndarray:
+    def contacts(self) -> Bool[np.ndarray, "T feet 2"]:
         """(T, feet, 2) booleans: is the ankle, is the toe, of each of `skeleton.feet` on the ground and at rest."""
         return foot_contacts.detect(self.positions, self.fps, self.skeleton)
 
     @cached_property
-    def heading(self) -> np.ndarray:
+    def heading(self) -> Float[np.ndarray, " T"]:
         """(T,) yaw of the body in radians: 0 faces +Z, positive turns towards +X."""
         from engines.geometry import canonical
 
@@ -300,7 +301,7 @@ class Motion:
 
     @classmethod
     def from_positions(
-        cls, positions: np.ndarray, skeleton: Skeleton, fps: float, labels: Sequence[Segment] = ()
+        cls, positions: Float[np.ndarray, "T J 3"], skeleton: Skeleton, fps: float, labels: Sequence[Segment] = ()
     ) -> Motion:
         """Joint positions (T, J, 3), metres -> Motion, through `geometry.inverse` (exact where bone lengths agree)."""
         from engines.geometry import inverse

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from engines.errors import OutOfRangeError, SkeletonError
 
@@ -25,13 +26,13 @@ class Skeleton:
     """Joint names, parents before children, the root first."""
     parents: tuple[int, ...]
     """Index of each joint's parent; -1 for the root."""
-    offsets: np.ndarray
+    offsets: Float[np.ndarray, "J 3"]
     """(J, 3) rest offset of each joint from its parent; for the root, from the origin of `translation` (mostly 0)."""
-    end_offsets: Mapping[str, np.ndarray] = field(default_factory=dict)
+    end_offsets: Mapping[str, Float[np.ndarray, " 3"]] = field(default_factory=dict)
     """Where a leaf bone ends (toe tips, crown, fingertips), relative to that leaf; used by BVH end sites."""
     feet: tuple[tuple[str, str], ...] = ()
     """(ankle, toe) joint names of the left and then the right foot."""
-    hinges: Mapping[str, np.ndarray] = field(default_factory=dict)
+    hinges: Mapping[str, Float[np.ndarray, " 3"]] = field(default_factory=dict)
     """Axis (3,), in rest-pose world coordinates, about which each knee and elbow flexes by a positive angle."""
     mirror_pairs: tuple[tuple[str, str], ...] = ()
     """(left, right) joint names that change places in a mirror."""
@@ -97,12 +98,12 @@ class Skeleton:
         return tuple(tuple(c for c, p in enumerate(self.parents) if p == j) for j in range(len(self)))
 
     @cached_property
-    def bone_lengths(self) -> np.ndarray:
+    def bone_lengths(self) -> Float[np.ndarray, " J"]:
         """(J,) length of each joint's offset, metres."""
         return np.linalg.norm(self.offsets, axis=-1)
 
     @cached_property
-    def rest_positions(self) -> np.ndarray:
+    def rest_positions(self) -> Float[np.ndarray, "J 3"]:
         """(J, 3) joint positions of the rest pose with `translation` at the origin."""
         positions = np.array(self.offsets)
         for joint, parent in enumerate(self.parents):
@@ -125,7 +126,7 @@ class Skeleton:
         return tuple(chains)
 
     @cached_property
-    def mirror_index(self) -> np.ndarray:
+    def mirror_index(self) -> Int[np.ndarray, " J"]:
         """(J,) index of the joint that takes each joint's place in a mirror."""
         index = np.arange(len(self))
         for left, right in self.mirror_pairs:
