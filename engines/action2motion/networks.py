@@ -15,10 +15,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
-State = tuple[Tensor, ...]
-"""Hidden state of a GRU stack: one (B, H) tensor a layer. `None` stands for zeros."""
+State = tuple[Float[Tensor, "B _H"], ...]
+"""Hidden state of a GRU stack: one (B, H) tensor a layer (each network has its own H). `None` stands for zeros."""
 
 
 class EmbeddedGRU(nn.Module):
@@ -40,9 +41,11 @@ class EmbeddedGRU(nn.Module):
         """Zeros for `batch` sequences: L tensors (B, H)."""
         return (self.embed.weight.new_zeros(batch, self.hidden_size),) * self.layers
 
-    def hidden_sequence(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, State]:
+    def hidden_sequence(
+        self, x: Float[Tensor, "T B D"], state: State | None = None
+    ) -> tuple[Float[Tensor, "T B H"], State]:
         """All frames (T, B, D) in one fused call -> top-layer hidden (T, B, H) and the state after the last."""
-        start = None if state is None else torch.stack(tuple(state))
+        start = None if state is None else torch.stack(state)  # L of (B, H) -> (L, B, H)
         hidden, last = self.gru(self.embed(x), start)
         return hidden, last.unbind(0)
 
@@ -56,13 +59,13 @@ class EmbeddedGRU(nn.Module):
         bias = torch.addmv(bias_ih, weight_ih, self.embed.bias)
         return [(weight_ih @ self.embed.weight, weight_hh, bias, bias_hh), *others]
 
-    def hidden_step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> State:
+    def hidden_step(self, x: Float[Tensor, "B D"], state: State | None = None) -> State:
         """One frame (B, D) -> the new state; its last entry is the top-layer hidden (B, H)."""
         state = self.initial_state(len(x)) if state is None else state
         return stack_step(self.embed(x), state, self.gru.all_weights)
 
 
-def stack_step(value: Tensor, state: Sequence[Tensor], weights: Sequence[Sequence[Tensor]]) -> State:
+def stack_step(value: Float[Tensor, "B D"], state: State, weights: Sequence[Sequence[Tensor]]) -> State:
     """One frame through a stack of GRU layers -> the new state.
 
     `torch.gru_cell` on the parameters of `nn.GRU` is within a few per cent of the best that eager torch does at any
@@ -97,7 +100,9 @@ class GaussianGRU(EmbeddedGRU):
         self.mu_net = nn.Linear(hidden_size, latent_size)
         self.logvar_net = nn.Linear(hidden_size, latent_size)
 
-    def forward(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, Tensor, Tensor, State]:
+    def forward(
+        self, x: Float[Tensor, "T B D"], state: State | None = None
+    ) -> tuple[Float[Tensor, "T B Z"], Float[Tensor, "T B Z"], Float[Tensor, "T B H"], State]:
         """All frames at once.
 
         Args:
@@ -110,7 +115,9 @@ class GaussianGRU(EmbeddedGRU):
         hidden, last = self.hidden_sequence(x, state)
         return self.mu_net(hidden), self.logvar_net(hidden), hidden, last
 
-    def step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, Tensor, State]:
+    def step(
+        self, x: Float[Tensor, "B D"], state: State | None = None
+    ) -> tuple[Float[Tensor, "B Z"], Float[Tensor, "B Z"], State]:
         """One frame (B, D) -> mu (B, Z), logvar (B, Z), new state."""
         state = self.hidden_step(x, state)
         return self.mu_net(state[-1]), self.logvar_net(state[-1]), state
@@ -127,22 +134,22 @@ class GeneratorGRU(EmbeddedGRU):
         layers: L.
     """
 
-    def forward(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, State]:
+    def forward(self, x: Float[Tensor, "T B D"], state: State | None = None) -> tuple[Float[Tensor, "T B H"], State]:
         """All frames (T, B, D) at once -> hidden (T, B, H) and the state after the last frame."""
         return self.hidden_sequence(x, state)
 
-    def step(self, x: Tensor, state: Sequence[Tensor] | None = None) -> tuple[Tensor, State]:
+    def step(self, x: Float[Tensor, "B D"], state: State | None = None) -> tuple[Float[Tensor, "B H"], State]:
         """One frame (B, D) -> hidden (B, H), new state."""
         state = self.hidden_step(x, state)
         return state[-1], state
 
     def unroll(
         self,
-        known: Tensor,
-        first: Tensor,
+        known: Float[Tensor, "T B Dk"],
+        first: Float[Tensor, "B Dp"],
         feed: Callable[[Tensor], Tensor],
-        state: Sequence[Tensor] | None = None,
-    ) -> tuple[Tensor, Tensor, State]:
+        state: State | None = None,
+    ) -> tuple[Float[Tensor, "T B H"], Float[Tensor, "T B Dp"], State]:
         """Frames one after another, each fed with what `feed` made of the frame before it.
 
         Args:
@@ -155,7 +162,7 @@ class GeneratorGRU(EmbeddedGRU):
             hidden (T, B, H), fed poses (T, B, Dp) where entry t came out of frame t, and the last state.
         """
         weights = self.folded_weights()
-        state = self.initial_state(len(first)) if state is None else tuple(state)
+        state = self.initial_state(len(first)) if state is None else state
         pose, hidden, poses = first, [], []
         for known_part in known.unbind(0):
             state = stack_step(torch.cat([pose, known_part], dim=1), state, weights)
@@ -172,7 +179,7 @@ class PlainHead(nn.Module):
         super().__init__()
         self.output = nn.Linear(hidden_size, out)
 
-    def forward(self, hidden: Tensor) -> Tensor:
+    def forward(self, hidden: Float[Tensor, "*batch H"]) -> Float[Tensor, "*batch out"]:
         """(..., H) -> (..., out)."""
         return self.output(hidden)
 
@@ -196,14 +203,16 @@ class LieHead(nn.Module):
         self.output = nn.Linear(hidden_size, 3 * joints)
         self.output_lie = nn.Linear(3 * joints - 3, 3 * joints - 3)
 
-    def forward(self, hidden: Tensor) -> Tensor:
+    def forward(self, hidden: Float[Tensor, "*batch H"]) -> Float[Tensor, "*batch out"]:
         """(..., H) -> (..., 3 J): metres for the first 3, radians for the rest."""
         raw = self.output(hidden)
         angles = torch.tanh(self.output_lie(torch.tanh(raw[..., 3:]))) * self.ANGLE_LIMIT
         return torch.cat([raw[..., :3], angles], dim=-1)
 
 
-def sample_latent(mu: Tensor, logvar: Tensor, noise: Tensor) -> Tensor:
+def sample_latent(
+    mu: Float[Tensor, "*batch Z"], logvar: Float[Tensor, "*batch Z"], noise: Float[Tensor, "*batch Z"]
+) -> Float[Tensor, "*batch Z"]:
     """The reparameterisation z = mu + exp(logvar / 2) * noise; all of one shape."""
     return torch.addcmul(mu, torch.exp(0.5 * logvar), noise)
 
@@ -212,15 +221,15 @@ def sample_latent(mu: Tensor, logvar: Tensor, noise: Tensor) -> Tensor:
 class Rollout:
     """What `rollout` computed, frame by frame, and the states to go on from."""
 
-    poses: Tensor
+    poses: Float[Tensor, "T B Dp"]
     """(T, B, Dp) what `feed` made of each frame, which is what the next frame was fed with."""
-    hidden: Tensor
+    hidden: Float[Tensor, "T B H"]
     """(T, B, H) top-layer hidden of the generator."""
-    z: Tensor
+    z: Float[Tensor, "T B Z"]
     """(T, B, Z) latent drawn from the prior."""
-    mu: Tensor
+    mu: Float[Tensor, "T B Z"]
     """(T, B, Z) mean of the prior."""
-    logvar: Tensor
+    logvar: Float[Tensor, "T B Z"]
     """(T, B, Z) logarithm of its variance."""
     prior_state: State
     """Of the prior after the last frame."""
@@ -232,11 +241,11 @@ def rollout(  # noqa: PLR0913, PLR0917 - two networks, their inputs and their st
     prior: GaussianGRU,
     generator: GeneratorGRU,
     feed: Callable[[Tensor], Tensor],
-    condition: Tensor,
-    noise: Tensor,
-    first: Tensor,
-    prior_state: Sequence[Tensor] | None = None,
-    generator_state: Sequence[Tensor] | None = None,
+    condition: Float[Tensor, "T B Dc"],
+    noise: Float[Tensor, "T B Z"],
+    first: Float[Tensor, "B Dp"],
+    prior_state: State | None = None,
+    generator_state: State | None = None,
 ) -> Rollout:
     """Generation: z from the learned prior, pose from the generator, both fed with the pose before.
 
@@ -255,8 +264,8 @@ def rollout(  # noqa: PLR0913, PLR0917 - two networks, their inputs and their st
     heads = torch.cat([prior.mu_net.weight, prior.logvar_net.weight]).t()
     heads_bias = torch.cat([prior.mu_net.bias, prior.logvar_net.bias])
     prior_weights, weights = prior.folded_weights(), generator.folded_weights()
-    upper = prior.initial_state(len(first)) if prior_state is None else tuple(prior_state)
-    lower = generator.initial_state(len(first)) if generator_state is None else tuple(generator_state)
+    upper = prior.initial_state(len(first)) if prior_state is None else prior_state
+    lower = generator.initial_state(len(first)) if generator_state is None else generator_state
     pose, made = first, []
     for known, eps in zip(condition.unbind(0), noise.unbind(0), strict=True):
         seen = torch.cat([pose, known], dim=1)

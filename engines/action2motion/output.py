@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
 from engines.action2motion.model import Poses
@@ -28,7 +29,7 @@ class Upsampler:
         self.steps, self.frames, self.fps = steps, frames, house_fps
         self.times = np.minimum(np.arange(frames) * (fps / house_fps), steps - 1)
 
-    def __call__(self, values: np.ndarray) -> np.ndarray:
+    def __call__(self, values: Float[np.ndarray, " steps *rest"]) -> Float[np.ndarray, " frames *rest"]:
         """(steps, ...) -> (frames, ...)."""
         if self.steps == 1:
             return np.repeat(values, self.frames, axis=0)

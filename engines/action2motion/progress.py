@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from jaxtyping import Float
 
 _SLOWEST = 1.5
 """One performance is drawn out to this many times its usual length before it is done again."""
@@ -13,7 +14,7 @@ _SHORTEST = 4
 """Frames below which a performance has no beginning, middle and end."""
 
 
-def progress_of(frames: int, nominal: int, repeats: bool) -> np.ndarray:
+def progress_of(frames: int, nominal: int, repeats: bool) -> Float[np.ndarray, " frames"]:
     """c_t of `frames` model frames, (frames,) in 0..1.
 
     In training c_t runs from 0 at a clip's first frame to 1 at its last, so it says how far the performance is. Up to

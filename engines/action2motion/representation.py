@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from engines.geometry import planes, rotations
@@ -26,21 +27,21 @@ VELOCITY_SIZE = 3
 class Features:
     """A Motion as arrays; T frames, J joints."""
 
-    height: np.ndarray
+    height: Float[np.ndarray, "T 1"]
     """(T, 1) root height, metres."""
-    lie: np.ndarray
+    lie: Float[np.ndarray, "T J 3"]
     """(T, J, 3) axis-angle, radians; the root's is what remains of it after its yaw is taken out."""
-    matrices: np.ndarray
+    matrices: Float[np.ndarray, "T J 3 3"]
     """(T, J, 3, 3) the same rotations as matrices."""
-    positions: np.ndarray
+    positions: Float[np.ndarray, "T J 3"]
     """(T, J, 3) joints in the heading frame, above the origin, metres."""
-    velocity: np.ndarray
+    velocity: Float[np.ndarray, "T 3"]
     """(T, 3) step from the frame before; zero for the first."""
-    contacts: np.ndarray
+    contacts: Float[np.ndarray, "T 4"]
     """(T, 4) left ankle, left toe, right ankle, right toe stand still: 0 or 1."""
 
 
-def root_yaw(root_matrix: np.ndarray) -> np.ndarray:
+def root_yaw(root_matrix: Float[np.ndarray, "T 3 3"]) -> Float[np.ndarray, " T"]:
     """(T,) yaw of root rotations (T, 3, 3): the heading of its z axis, or of -y where the body is bent double."""
     forward = root_matrix[:, :, 2]
     folded = np.hypot(forward[:, 0], forward[:, 2]) < 0.3
@@ -65,11 +66,13 @@ def encode(motion: Motion) -> Features:
         matrices=rotations.quaternion_to_matrix(turns).astype(np.float32),
         positions=rotations.rotate(back[:, None], local).astype(np.float32),
         velocity=velocity.astype(np.float32),
-        contacts=motion.contacts.reshape(len(motion), -1).astype(np.float32),
+        contacts=motion.contacts.reshape(len(motion), -1).astype(np.float32),  # (T, 2, 2) -> (T, 4)
     )
 
 
-def local_positions(height: Tensor, lie: Tensor) -> tuple[Tensor, Tensor]:
+def local_positions(
+    height: Float[Tensor, "*batch 1"], lie: Float[Tensor, "*batch J 3"]
+) -> tuple[Float[Tensor, "*batch J 3"], Float[Tensor, "*batch J 3 3"]]:
     """Joints (..., J, 3) in the heading frame and local rotations (..., J, 3, 3).
 
     One forward kinematics over all frames of all sequences (thesis eq. 3.4, the map Gamma).
@@ -83,7 +86,9 @@ def local_positions(height: Tensor, lie: Tensor) -> tuple[Tensor, Tensor]:
     return positions + torch.nn.functional.pad(height, (1, 1))[..., None, :], matrices
 
 
-def decode(height: np.ndarray, matrices: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def decode(
+    height: Float[np.ndarray, "T 1"], matrices: Float[np.ndarray, "T J 3 3"], velocity: Float[np.ndarray, "T 3"]
+) -> tuple[Float[np.ndarray, "T J 4"], Float[np.ndarray, "T 3"]]:
     """Quaternions (T, J, 4) and root path (T, 3) of the world from what the networks predict.
 
     Args:
@@ -98,7 +103,9 @@ def decode(height: np.ndarray, matrices: np.ndarray, velocity: np.ndarray) -> tu
     return rotations.continuous(turns), path
 
 
-def travel(velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def travel(
+    velocity: Float[np.ndarray, "T *batch 3"],
+) -> tuple[Float[np.ndarray, " T *batch"], Float[np.ndarray, "T *batch 2"]]:
     """Yaw (T, ...) and ground path (T, ..., 2) as x, z, summed up from velocities (T, ..., 3)."""
     velocity = np.asarray(velocity, dtype=np.float64)
     yaw = np.cumsum(velocity[..., 2], axis=0)
@@ -108,7 +115,7 @@ def travel(velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return yaw, np.cumsum(np.stack([cos * x + sin * z, -sin * x + cos * z], axis=-1), axis=0)
 
 
-def world_step(positions: Tensor, velocity: Tensor) -> Tensor:
+def world_step(positions: Float[Tensor, "T B J 3"], velocity: Float[Tensor, "T B 3"]) -> Float[Tensor, "T-1 B J 3"]:
     """How far joints move over the ground from frame to frame, in the frame of the earlier heading.
 
     Args:
@@ -118,7 +125,7 @@ def world_step(positions: Tensor, velocity: Tensor) -> Tensor:
     Returns:
         (T - 1, B, J, 3) metres.
     """
-    now, step = positions[1:], velocity[1:, :, None]
+    now, step = positions[1:], velocity[1:, :, None]  # (T - 1, B, J, 3), (T - 1, B, 1, 3)
     cos, sin = torch.cos(step[..., 2]), torch.sin(step[..., 2])
     x = cos * now[..., 0] + sin * now[..., 2] + step[..., 0]
     z = -sin * now[..., 0] + cos * now[..., 2] + step[..., 1]
