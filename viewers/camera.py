@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 from scipy.ndimage import gaussian_filter1d
 
 from engines.errors import OutOfRangeError, UnknownLabelError
@@ -73,9 +74,9 @@ class Camera:
 class CameraTrack:
     """A camera over N moments."""
 
-    eye: np.ndarray
+    eye: Float[np.ndarray, "N 3"]
     """(N, 3) where it stands."""
-    target: np.ndarray
+    target: Float[np.ndarray, "N 3"]
     """(N, 3) what it looks at."""
     fov: float
     """Vertical field of view, radians."""
@@ -84,21 +85,23 @@ class CameraTrack:
     far: float
     """Distance of the far plane, metres."""
 
-    def views(self) -> np.ndarray:
+    def views(self) -> Float[np.ndarray, "N 4 4"]:
         """(N, 4, 4) world to camera."""
         return view_matrix(self.eye, self.target)
 
-    def projection(self, aspect: float) -> np.ndarray:
+    def projection(self, aspect: float) -> Float[np.ndarray, "4 4"]:
         """(4, 4) camera to clip space."""
         return projection_matrix(self.fov, aspect, self.near, self.far)
 
 
-def direction(yaw: float, pitch: float) -> np.ndarray:
+def direction(yaw: float, pitch: float) -> Float[np.ndarray, " 3"]:
     """(3,) unit vector from the target to the eye."""
     return np.array([np.sin(yaw) * np.cos(pitch), np.sin(pitch), np.cos(yaw) * np.cos(pitch)])
 
 
-def view_matrix(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
+def view_matrix(
+    eye: Float[np.ndarray, "*#batch 3"], target: Float[np.ndarray, "*#batch 3"]
+) -> Float[np.ndarray, "*batch 4 4"]:
     """World to camera (..., 4, 4) for column vectors: x right, y up, looking along -z."""
     eye, target = np.asarray(eye, np.float64), np.asarray(target, np.float64)
     back = eye - target
@@ -116,7 +119,7 @@ def view_matrix(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
     return view
 
 
-def projection_matrix(fov: float, aspect: float, near: float, far: float) -> np.ndarray:
+def projection_matrix(fov: float, aspect: float, near: float, far: float) -> Float[np.ndarray, "4 4"]:
     """(4, 4) OpenGL perspective for column vectors; `fov` vertical in radians, `aspect` width / height."""
     scale = 1.0 / np.tan(fov / 2)
     depth = near - far
@@ -134,9 +137,9 @@ def projection_matrix(fov: float, aspect: float, near: float, far: float) -> np.
 class Subject:
     """What a camera has to look at, over N moments."""
 
-    points: np.ndarray
+    points: Float[np.ndarray, "N P 3"]
     """(N, P, 3) points that must stay in the frame."""
-    roots: np.ndarray
+    roots: Float[np.ndarray, "N 3"]
     """(N, 3) what a following camera goes along with."""
     rate: float
     """Moments a second, for the smoothing."""
@@ -148,7 +151,7 @@ def camera_track(camera: Camera, subject: Subject, aspect: float) -> CameraTrack
     look = direction(yaw, pitch)
     if camera.mode == "follow":
         return _follow(camera, look, subject, aspect)
-    everything = subject.points.reshape(-1, 3)
+    everything = subject.points.reshape(-1, 3)  # (N, P, 3) -> (N * P, 3)
     middle, distance = frame_points(everything, look, camera.fov, aspect, camera.fill)
     target = middle if camera.target is None else np.asarray(camera.target, np.float64)
     if camera.target is not None:
@@ -177,8 +180,8 @@ def _track(
 
 
 def frame_points(
-    points: np.ndarray, look: np.ndarray, fov: float, aspect: float, fill: float = 0.86
-) -> tuple[np.ndarray, float]:
+    points: Float[np.ndarray, "M 3"], look: Float[np.ndarray, " 3"], fov: float, aspect: float, fill: float = 0.86
+) -> tuple[Float[np.ndarray, " 3"], float]:
     """Where to look and from how far, so that points (M, 3) fill the share `fill` of the picture.
 
     Returns:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float, Float32, Integer, UInt8, UInt16, UInt32
 
 from engines.errors import SkeletonError
 from engines.motion import Motion
@@ -27,21 +28,21 @@ class Body:
     """What `bodies.get` knows it by."""
     skeleton: Skeleton
     """The skeleton the weights refer to."""
-    vertices: np.ndarray
+    vertices: Float32[np.ndarray, "V 3"]
     """(V, 3) float32 rest positions, metres."""
-    faces: np.ndarray
+    faces: UInt32[np.ndarray, "F 3"]
     """(F, 3) uint32 vertex indices, counter-clockwise from outside."""
-    normals: np.ndarray
+    normals: Float32[np.ndarray, "V 3"]
     """(V, 3) float32 unit rest normals."""
-    skin_indices: np.ndarray
+    skin_indices: UInt16[np.ndarray, "V 4"]
     """(V, 4) uint16 joint indices."""
-    skin_weights: np.ndarray
+    skin_weights: Float32[np.ndarray, "V 4"]
     """(V, 4) float32 weights, summing to one, largest first."""
-    colours: np.ndarray
+    colours: UInt8[np.ndarray, "V 3"]
     """(V, 3) uint8 sRGB base colours."""
-    tint: np.ndarray
+    tint: Float32[np.ndarray, " V"]
     """(V,) float32: how far an actor's own colour replaces the base colour (1 on the shirt, 0 on skin)."""
-    coarse: tuple[np.ndarray, ...] = ()
+    coarse: tuple[UInt32[np.ndarray, "_F 3"], ...] = ()
     """Fewer faces (F', 3) over the same vertices, the finer first: for figures that are small, shadows and ghosts."""
     licence: str = ""
     """Where the mesh comes from and on what terms."""
@@ -65,7 +66,7 @@ class Body:
         if count and (self.skin_indices.max() >= len(self.skeleton) or (len(self.faces) and self.faces.max() >= count)):
             raise SkeletonError(f"body {self.name!r}: faces or weights point at vertices or joints that do not exist.")
 
-    def painted(self, colour: tuple[float, float, float] | None) -> np.ndarray:
+    def painted(self, colour: tuple[float, float, float] | None) -> UInt8[np.ndarray, "V 3"]:
         """(V, 3) uint8 sRGB: the base colours, with `colour` (sRGB, 0..1) laid over them where `tint` says so.
 
         The base colour's own lightness differences survive, so trousers stay darker than the shirt.
@@ -76,7 +77,7 @@ class Body:
         wanted = np.asarray(colour, dtype=np.float32) * 255.0
         return np.round(self.colours * (1 - amount) + wanted * amount).clip(0, 255).astype(np.uint8)
 
-    def posed(self, motion: Motion, frame: int = 0) -> np.ndarray:
+    def posed(self, motion: Motion, frame: int = 0) -> Float32[np.ndarray, "V 3"]:
         """(V, 3) float32 vertices of one frame, skinned on the CPU: for exporters and tests, not for playback.
 
         Raises:
@@ -89,7 +90,7 @@ class Body:
         matrices = skinning_matrices(self.skeleton, motion.positions[frame], motion.global_rotations[frame])
         return self.skinned(matrices)
 
-    def skinned(self, matrices: np.ndarray) -> np.ndarray:
+    def skinned(self, matrices: Float[np.ndarray, "J 3 4"]) -> Float32[np.ndarray, "V 3"]:
         """(V, 3) float32 vertices under skinning matrices (J, 3, 4)."""
         blended = np.einsum("vk,vkij->vij", self.skin_weights, np.asarray(matrices, np.float32)[self.skin_indices])
         return np.einsum("vij,vj->vi", blended[:, :, :3], self.vertices) + blended[:, :, 3]
@@ -117,7 +118,9 @@ class Body:
         return float(np.ptp(self.vertices[:, 1])) if len(self.vertices) else 0.0
 
 
-def skinning_matrices(skeleton: Skeleton, positions: np.ndarray, turns: np.ndarray) -> np.ndarray:
+def skinning_matrices(
+    skeleton: Skeleton, positions: Float[np.ndarray, "*batch J 3"], turns: Float[np.ndarray, "*batch J 3 3"]
+) -> Float32[np.ndarray, "*batch J 3 4"]:
     """Matrices that carry rest-pose points with each joint.
 
     Args:
@@ -146,7 +149,7 @@ def _bone_stretch(old: Skeleton, new: Skeleton) -> np.ndarray:
     return stretch
 
 
-def eight_bit_weights(weights: np.ndarray) -> np.ndarray:
+def eight_bit_weights(weights: Float[np.ndarray, "V 4"]) -> UInt8[np.ndarray, "V 4"]:
     """(V, 4) weights in 255ths that still sum to one exactly: the largest takes what rounding left."""
     rounded = np.round(weights * 255).astype(np.int64)
     largest = rounded.argmax(1)
@@ -154,7 +157,11 @@ def eight_bit_weights(weights: np.ndarray) -> np.ndarray:
     return rounded.astype(np.uint8)
 
 
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray, groups: np.ndarray | None = None) -> np.ndarray:
+def vertex_normals(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Integer[np.ndarray, "F 3"],
+    groups: Integer[np.ndarray, " V"] | None = None,
+) -> Float32[np.ndarray, "V 3"]:
     """(V, 3) float32 unit normals, area-weighted; vertices of one group (same place, split by colour) share theirs."""
     corners = vertices[faces].astype(np.float64)
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
