@@ -84,7 +84,7 @@ class Table:
 def round_trips(table: Table, clip: Clip, slow: bool) -> None:
     """One clip through every representation of ours and back, leaving out the slow ways or not."""
     for codec in map(features.get, OURS):
-        sources = [source for source in codec.sources if slow or (codec.name, source) not in SLOW]
+        sources: list[Source] = [source for source in codec.sources if slow or (codec.name, source) not in SLOW]
         if not sources:
             continue
         wanted = codec.fitted(clip.motion)

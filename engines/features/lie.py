@@ -17,9 +17,9 @@ from functools import cached_property
 import numpy as np
 
 from engines.features import heading
-from engines.features.codec import Codec, Source, Start, continuous
+from engines.features.codec import Codec, Source, Start, continuous, joints_of
 from engines.features.layout import EMPHASIS, Layout, Part
-from engines.geometry import kinematics, rotations
+from engines.geometry import rotations
 from engines.motion import Motion
 from engines.skeletons import SMPL22, Skeleton
 
@@ -99,9 +99,7 @@ class Lie(Codec):
     def positions(self, features: np.ndarray, start: Start | None = None) -> np.ndarray:
         """Joint positions (..., T, J, 3) float32, metres, by forward kinematics."""
         turns, path, _ = self.decode_arrays(features, source="rotations", start=start)
-        matrices = rotations.quaternion_to_matrix(turns)
-        places, _ = kinematics.forward_kinematics(matrices, path, self.skeleton.offsets, self.skeleton.parents)
-        return places.astype(np.float32)
+        return joints_of(turns, path, self.skeleton)
 
 
 def root_yaw(matrices: np.ndarray) -> np.ndarray:

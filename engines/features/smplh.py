@@ -19,10 +19,10 @@ from typing import ClassVar
 import numpy as np
 
 from engines.features import arrays
-from engines.features.codec import Codec, Source, Start, continuous
+from engines.features.codec import Codec, Source, Start, continuous, joints_of
 from engines.features.layout import Layout, Part
 from engines.features.skeletons import SMPLH52
-from engines.geometry import kinematics, rotations
+from engines.geometry import rotations
 from engines.motion import Motion
 from engines.skeletons import SMPL22, Skeleton
 
@@ -99,9 +99,7 @@ class SMPLH(Codec):
     def positions(self, features: np.ndarray, start: Start | None = None) -> np.ndarray:
         """Joint positions (..., T, J, 3) float32, metres, by forward kinematics."""
         turns, path, _ = self.decode_arrays(features, source="rotations", start=start)
-        matrices = rotations.quaternion_to_matrix(turns)
-        places, _ = kinematics.forward_kinematics(matrices, path, self.skeleton.offsets, self.skeleton.parents)
-        return places.astype(np.float32)
+        return joints_of(turns, path, self.skeleton)
 
 
 SMPLH_HOUSE = SMPLH()

@@ -12,11 +12,16 @@ def cases(topic: str, *keys: str):
     """One parameter for each file of a topic that holds all of these arrays."""
     shared = find_shared()
     files = sorted((shared / "golden" / topic).glob("*.npz")) if shared else []
-    found = [file for file in files if set(keys) <= set(np.load(file).files)]
+    found = [file for file in files if set(keys) <= held(file)]
     if not found:
         reason = f"no golden/{topic} with {', '.join(keys)}: put the shared folder beside or set MOTIONLOOM_SHARED"
         return [pytest.param(None, marks=pytest.mark.skip(reason=reason), id="absent")]
     return [pytest.param(file, id=file.stem) for file in found]
+
+
+def held(path) -> set[str]:
+    with np.load(path) as arrays:
+        return set(arrays.files)
 
 
 def load(path) -> dict[str, np.ndarray]:
