@@ -1,4 +1,4 @@
-"""The command line: `motionloom studio | generate | render | convert | info | data | train`.
+"""The command line: `motionloom studio | generate | render | convert | info | data | train | evaluate`.
 
 Each command is a small module in `studio/commands/`; torch and Panel are imported when a command needs them, so that
 `motionloom --help` answers at once. Exit codes: 0 done, 1 a mistake that can be mended (one line says which),
@@ -15,7 +15,7 @@ import typer
 
 from engines import __version__
 from engines.errors import Cancelled, MotionloomError
-from studio.commands import convert, data, generate, info, render, studio, train
+from studio.commands import convert, data, evaluate, generate, info, render, studio, train
 
 app = typer.Typer(
     name="motionloom",
@@ -35,6 +35,7 @@ app.command("convert")(convert.convert)
 app.command("info")(info.info)
 app.add_typer(data.app, name="data")
 app.add_typer(train.app, name="train")
+app.command("evaluate")(evaluate.evaluate)
 
 
 def _show_version(asked: bool) -> None:

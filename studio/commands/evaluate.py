@@ -1,0 +1,170 @@
+"""`motionloom evaluate`: the papers' tables for engines here, on held-out real motion."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import shlex
+import signal
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from engines.errors import OutOfRangeError, UnknownLabelError
+from studio.commands.console import progress_bar
+
+_PACKAGES = ("motionloom", "numpy", "scipy", "torch", "scikit-learn")
+
+
+def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
+    engines: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="ENGINE[:VARIANT]...", help="What to judge; `:all` for every variant, `@FILE` for other weights."
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the report; goes on there.")],
+    data: Annotated[str, typer.Option(metavar="NAME", help="Real motions: held-out (val and test), test or val.")] = (
+        "held-out"
+    ),
+    repeats: Annotated[int, typer.Option(metavar="N", help="How often everything is measured.")] = 20,
+    motions: Annotated[int, typer.Option(metavar="N", help="Generated in each repeat.")] = 3000,
+    frames: Annotated[int, typer.Option(metavar="N", help="Length of each, frames (20 a second).")] = 60,
+    seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same table.")] = 0,
+    threads: Annotated[int | None, typer.Option(metavar="N", help="Processor threads; as torch likes if none.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew what is in the folder.")] = False,
+) -> None:
+    """Judge engines by the protocol of their paper: a table with 95 % intervals, and a page to look at.
+
+    [bold]Examples[/bold]
+
+    motionloom evaluate action2motion --repeats 2 --motions 300 --out report/
+
+    motionloom evaluate action2motion:all --out report/     (the four decoders; the papers' 20 times 3,000 motions)
+
+    motionloom evaluate action2motion:glmi-m action2motion:glmi-m@my.safetensors --data test --out mine/
+
+    Writes index.html (open it in a browser), table.md, table.csv, table.json and rows.json. Ctrl+C keeps every finished
+    repeat; the same command goes on from there, with more repeats too. Needs prepared data (`motionloom data prepare`).
+    """
+    for name, value in (("--repeats", repeats), ("--threads", threads)):
+        if value is not None and value < 1:
+            raise OutOfRangeError(name, value, "1 or more")
+    from engines import datasets
+    from engines.evaluation import ActionBench, Options, Results
+    from engines.evaluation import evaluate as run
+    from engines.metrics.evaluators import recogniser
+
+    options = Options(data, motions, frames, seed)  # pyright: ignore[reportArgumentType] (checked next)
+    options.check()
+    wanted = [part for spec in engines for part in _parse(spec)]
+    if threads is not None:
+        import torch
+
+        torch.set_num_threads(threads)
+    judge = recogniser.load("action")
+    clips = datasets.load()
+    named = {name: _load(name) for name in dict.fromkeys(wanted)}
+    bench = ActionBench(named, clips, judge, options)
+    results = Results(bench.basis(_digest(recogniser.WEIGHTS / "evaluator-action.safetensors")), judge.labels)
+    out.mkdir(parents=True, exist_ok=True)
+    if not fresh:
+        results.go_on_from(out / "rows.json")
+    with _stoppable() as stopped, progress_bar("evaluate", unit="motion") as bar:
+        run(
+            bench,
+            named,
+            results,
+            repeats=repeats,
+            progress=lambda done, total, _row: bar(done, total),
+            cancel=stopped,
+            finished=lambda _row: results.save(out / "rows.json"),
+        )
+    _tell(out, bench, named, results, repeats)
+
+
+def _tell(out: Path, bench: Any, named: Mapping[str, Any], results: Any, repeats: int) -> None:
+    """Write the report, and print its table."""
+    from engines.evaluation import tables
+    from studio.report import write_report
+
+    page = write_report(out, bench, named, results, repeats, _facts())
+    rows = results.shown(list(named), repeats)
+    columns = tables.columns(rows)
+    for row in rows:
+        typer.secho(row.name, bold=True)
+        for name, found in row.estimates.items():
+            typer.echo(f"  {tables.heading(columns[name]):<34}{tables.cell(found):>20}")
+    for reason, names in bench.left_out.items():
+        typer.echo(f"left out, {reason}: {', '.join(names)}", err=True)
+    typer.echo(page)
+
+
+def _parse(spec: str) -> list[str]:
+    """`action2motion:all` -> a name for each variant; anything else is itself.
+
+    Raises:
+        UnknownLabelError: no engine of that name.
+    """
+    import engines
+    from studio import tasks
+
+    name, _, _ = spec.partition("@")
+    name, _, variant = name.partition(":")
+    if name not in engines.available():
+        raise UnknownLabelError("engine", name, engines.available())
+    if variant != "all":
+        return [spec]
+    return [f"{name}:{each}" for each in getattr(tasks.load_engine(name), "variants", ())] or [name]
+
+
+def _load(spec: str) -> Any:
+    """The engine of `name`, `name:variant` or `name:variant@weights`."""
+    import engines
+
+    rest, _, weights = spec.partition("@")
+    name, _, variant = rest.partition(":")
+    options = {"variant": variant, "checkpoint": weights}
+    return engines.load(name, **{key: value for key, value in options.items() if value})
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _facts() -> dict[str, str]:
+    """What the page says of how it was made."""
+    versions = []
+    for package in _PACKAGES:
+        try:
+            versions.append(f"{package} {metadata.version(package)}")
+        except metadata.PackageNotFoundError:
+            continue
+    return {
+        "command": shlex.join(["motionloom", *sys.argv[1:]]),
+        "made": f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+        "with": f"{', '.join(versions)}; Python {platform.python_version()}, {platform.system()} {platform.machine()}",
+    }
+
+
+@contextmanager
+def _stoppable() -> Iterator[Callable[[], bool]]:
+    """Ctrl+C asks for a stop between two batches; a second one stops at once."""
+    asked = False
+
+    def ask(number: int, _frame: object) -> None:
+        nonlocal asked
+        asked = True
+        signal.signal(number, before)
+
+    before = signal.signal(signal.SIGINT, ask)
+    try:
+        yield lambda: asked
+    finally:
+        signal.signal(signal.SIGINT, before)
