@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -9,11 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from engines.errors import OutOfRangeError
+from engines.errors import OutOfRangeError, UnknownLabelError
 from studio.commands.console import progress_bar
 
 if TYPE_CHECKING:
     from engines.datasets import Clip
+    from engines.datasets.describe import Summary
     from engines.datasets.prepare import Failure
 
 app = typer.Typer(
@@ -24,7 +27,9 @@ app = typer.Typer(
 
 motionloom data prepare --source downloads/
 
-motionloom data list""",
+motionloom data list
+
+motionloom data describe cmu --plot cmu.svg""",
 )
 _SHOWN = 20
 """So many of the clips left out are named; the rest are counted."""
@@ -36,7 +41,8 @@ def prepare(
         Path, typer.Option("--source", metavar="DIR", help="Folder with the archives, or with them unpacked.")
     ],
     corpora: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Comma between: bandai-namco, cmu, utd-mhad. All by default.")
+        str | None,
+        typer.Option(metavar="LIST", help="Names as in `data list`, comma between. By default all that are found."),
     ] = None,
     workers: Annotated[int | None, typer.Option(metavar="N", help="Processes; all cores by default.")] = None,
 ) -> None:
@@ -49,7 +55,7 @@ def prepare(
     motionloom data prepare --source downloads/ --corpora cmu,utd-mhad --workers 2
 
     The cache is made anew and holds the data sets of this run only. Prints its path, and the clips that were left out
-    with the reason for each.
+    with the reason for each. `motionloom data list` tells where each data set is had from and what to put where.
     """
     from engines import datasets
 
@@ -65,16 +71,26 @@ def prepare(
 
 
 @app.command("list")
-def show() -> None:
+def show(
+    source: Annotated[
+        Path | None, typer.Option("--source", metavar="DIR", help="Tell also which data sets lie in this folder.")
+    ] = None,
+) -> None:
     """Tell which data sets are prepared: clips and minutes of each, of each action, and their licences.
 
     [bold]Examples[/bold]
 
     motionloom data list
+
+    motionloom data list --source downloads/
+
+    For a data set that is not prepared: the page to get it from, and what to put where.
     """
     from engines import datasets
+    from engines.datasets import describe
     from engines.errors import FormatError
 
+    present = describe.found(source) if source else {}
     try:
         clips = datasets.load()
     except FormatError as none_yet:
@@ -85,13 +101,93 @@ def show() -> None:
         own = [clip for clip in clips if clip.corpus == name]
         amounts = f"{len(own):>7,}{_minutes(own):>10.1f}" if own else f"{'missing':>17}"
         typer.echo(f"{name:<28}{amounts}  {corpus.licence}")
+        if name in present:
+            typer.echo(f"  found in {source}: {present[name]}")
         if not own:
-            typer.echo(f"  (motionloom data prepare --source DIR, with {corpus.archive} in DIR)")
+            typer.echo(f"  from {corpus.download}\n  put into the source folder: {corpus.layout}")
     splits = Counter(clip.split for clip in clips)
     parts = ", ".join(f"{splits[part]:,} {part}" for part in ("train", "val", "test"))
     typer.echo(f"{'in all':<28}{len(clips):>7,}{_minutes(clips):>10.1f}  {parts}")
     if clips:
         _print_actions(clips)
+
+
+@app.command("describe")
+def describe_command(
+    name: Annotated[
+        str | None, typer.Argument(help="A data set, as in `data list`. All that are prepared by default.")
+    ] = None,
+    by: Annotated[
+        str | None,
+        typer.Option(metavar="WHAT", help="Count by action, style, label, fine, subject, split or corpus."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the distribution to an .svg or .png file.")
+    ] = None,
+    captions: Annotated[
+        int, typer.Option("--captions", metavar="N", help="Show so many clips with captions made from their motion.")
+    ] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the clips and captions shown.")] = 0,
+) -> None:
+    """Tell what is in the prepared data: how much, of what, in which parts, with a bar a label.
+
+    [bold]Examples[/bold]
+
+    motionloom data describe
+
+    motionloom data describe bandai-namco --by style --plot styles.png
+
+    motionloom data describe utd-mhad --captions 5
+    """
+    from engines import datasets
+    from engines.datasets import describe
+
+    if captions < 0:
+        raise OutOfRangeError("--captions", captions, "0 or more")
+    if name is not None and name not in datasets.CORPORA:
+        raise UnknownLabelError("data set", name, datasets.CORPORA)
+    if by is not None and by not in describe.BYS:
+        raise UnknownLabelError("property of clips", by, describe.BYS)
+    clips = datasets.load(corpora=None if name is None else [name])
+    chosen: describe.By | None = next((item for item in describe.BYS if item == by), None)
+    summary = describe.summarise(clips, chosen, name or "all data sets")
+    _print_summary(summary)
+    if captions:
+        _print_captions(clips, captions, seed)
+    if plot:
+        typer.echo(describe.plot(summary, plot))
+
+
+def _print_summary(summary: Summary) -> None:
+    from engines.datasets import describe
+
+    shortest, median, longest = summary.seconds
+    parts = ", ".join(f"{summary.splits.get(part, 0):,} {part}" for part in ("train", "val", "test"))
+    facts = {
+        "clips": f"{summary.clips:,} ({parts})",
+        "minutes": f"{summary.minutes:.1f}",
+        "seconds a clip": f"{shortest:.1f} to {longest:.1f}, median {median:.1f}",
+        "subjects": f"{summary.subjects:,}" if summary.subjects else "not told",
+        "sentences": f"{summary.sentences:,} written by people",
+    }
+    typer.secho(summary.title, bold=True)
+    for what, value in facts.items():
+        typer.echo(f"{what:<30}{value}")
+    typer.secho(f"\n{summary.by:<30}{'clips':>7}{'minutes':>10}", bold=True)
+    unicode = "utf" in (sys.stdout.encoding or "").lower()
+    for line in describe.bars(summary, mark="█" if unicode else "#"):
+        typer.echo(line)
+
+
+def _print_captions(clips: Sequence[Clip], count: int, seed: int) -> None:
+    from engines.datasets.captions import captions
+
+    draw = random.Random(seed)
+    for clip in draw.sample(clips, min(count, len(clips))):
+        about = ", ".join(part for part in (clip.action or clip.label, clip.style) if part)
+        typer.secho(f"\n{clip.corpus}/{clip.name}" + (f" ({about})" if about else ""), bold=True)
+        for text in captions(clip, seed)[:6]:
+            typer.echo(f"  {text}")
 
 
 def _print_actions(clips: Sequence[Clip]) -> None:
