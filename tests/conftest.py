@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests import shape_check
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+shape_check.install()  # before any test imports what it is to check
 
 ROOT = Path(__file__).resolve().parent.parent
 
