@@ -71,7 +71,7 @@ class Table:
     def __init__(self) -> None:
         self.errors: dict[tuple[str, str], list[tuple[float, str, float]]] = defaultdict(list)
 
-    def add(self, row: str, clip: Clip, error: float, angle: float = 0.0) -> None:
+    def add(self, row: str, clip: Clip, error: float, angle: float = float("nan")) -> None:
         """One clip's error in millimetres and degrees."""
         self.errors[row, clip.corpus].append((error, clip.name, angle))
 
@@ -139,12 +139,12 @@ def noisy(table: Table, clips: list[Clip], names: Iterable[str]) -> None:
                 table.add(f"{name} / {source}, feet", clip, error)
 
 
-def show(title: str, table: Table, angles: bool = True) -> None:
+def show(title: str, table: Table) -> None:
     """Print one table."""
     say(f"\n{title}")
     say(f"{'representation':<30}{'corpus':<14}{'clips':>6}{'mean mm':>11}{'worst mm':>11}{'degrees':>9}  worst clip")
     for row, corpus, errors, worst, angle in table.rows():
-        shown = f"{angle:9.3f}" if angles else f"{'':9}"
+        shown = f"{'':9}" if np.isnan(angle) else f"{angle:9.3f}"
         say(f"{row:<30}{corpus:<14}{len(errors):>6}{errors.mean():>11.4f}{errors.max():>11.4f}{shown}  {worst}")
 
 
@@ -174,7 +174,7 @@ def main() -> None:
     except KeyboardInterrupt:
         say("stopped before the end; what there is:")
     show("Motion -> features -> Motion", tables[0])
-    show("the released dialects, their own inverse against what they were made of", tables[1], angles=False)
+    show("the released dialects, their own inverse against what they were made of", tables[1])
     for row, corpus, errors, _, _ in tables[1].rows():
         say(f"  {row}, {corpus}: {int((errors > BROKEN).sum())} of {len(errors)} clips off by more than {BROKEN:g} mm")
     show(f"decoding with {NOISE:g} of each part's deviation as noise", tables[2])

@@ -17,6 +17,10 @@ The authors' checkpoints and their prepared data speak this dialect, so it is ke
 - `between` of exactly three vectors takes the cross product along the wrong axis.
 - Contacts have no height; the floor is the lowest any joint ever comes.
 - T frames give T - 1 rows.
+
+What the broken sign costs: of the prepared clips brought through these features and their own inverse, 1 of 2834 of
+Bandai-Namco and 19 of 167 of CMU come back more than 10 mm off on average, the worst, 05_06, by 375 mm; ours by
+0.0007 mm at most (`scripts/features_round_trip.py`).
 """
 
 from __future__ import annotations

@@ -71,9 +71,10 @@ class SMPLH(Codec):
         lead = turns.shape[:-2]
         matrices = arrays.quaternion_to_matrix(arrays.planes(turns))
         slopes = arrays.unplanes(arrays.slopes(matrices), lead)
+        held = [name for name in SMPLH52 if name in self.skeleton]
         rotations = np.empty((*lead, len(SMPLH52), 6), np.float32)
-        for joint, name in enumerate(SMPLH52):
-            rotations[..., joint, :] = slopes[..., self.skeleton.index(name), :] if name in self.skeleton else _STRAIGHT
+        rotations[...] = _STRAIGHT
+        rotations[..., [SMPLH52.index(name) for name in held], :] = slopes[..., list(map(self.skeleton.index, held)), :]
         place = np.asarray(path) + self.skeleton.offsets[0]
         return self.layout.join(root_rotation=rotations[..., 0, :], rotations=rotations[..., 1:, :], translation=place)
 
