@@ -15,7 +15,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -136,7 +136,7 @@ def _read(clip: ClipInfo) -> Motion | str:
         _check(motion)
     except MotionloomError as error:
         return str(error).replace(str(clip.path.parent) + os.sep, "")
-    return motion
+    return replace(motion)  # without the positions found on the way, four times as large, on its way between processes
 
 
 def _check(motion: Motion) -> None:

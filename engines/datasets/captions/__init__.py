@@ -34,7 +34,7 @@ _PEOPLE = ("a person", "someone", "a person", "somebody", "a figure", "the perso
 """Subjects of a sentence."""
 _INTRODUCED = ("a person", "someone", "somebody", "a figure")
 """... after "we see"."""
-_NOUNS = frozenset({"person", "figure", "human"})
+_NOUNS = frozenset({"person", "figure"})
 """... that take an adjective."""
 _PRESENT = "{who} {s}"
 _FRAMES = (

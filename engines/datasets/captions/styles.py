@@ -12,7 +12,7 @@ STYLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "depressed": (("depressed", "dejected"), ("in a depressed way", "as if all were lost", "dejectedly")),
     "drunk": (("drunken",), ("as if drunk", "unsteadily", "like a drunk")),
     "elderly": (("elderly", "old"), ("like an old person", "as an elderly person would", "with the stiffness of age")),
-    "exhausted": (("exhausted", "worn-out"), ("wearily", "as if exhausted", "with no strength left")),
+    "exhausted": (("exhausted", "worn-out"), ("wearily", "as if exhausted", "with hardly any strength")),
     "female model": ((), ("like a fashion model", "as on a catwalk")),
     "feminine": ((), ("in a feminine way", "in a feminine manner", "with feminine grace")),
     "giant": ((), ("like a giant", "heavily, as a giant would", "with a giant's weight")),

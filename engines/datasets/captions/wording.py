@@ -15,6 +15,8 @@ _EIGHTHS = (
 )  # fmt: skip
 _STEADY = 0.7
 """Share of the way that must lie in one direction for the direction to be named."""
+_ASIDE = math.radians(8)
+"""A walk that is meant to go aside and does by more than this is said to, even if it goes forward most of all."""
 _TURNS = ((35.0, None), (65.0, "a slight turn"), (120.0, "a quarter turn"), (235.0, "half a turn"),
           (300.0, "three quarters of a turn"), (420.0, "a full turn"))  # fmt: skip
 """Degrees up to which a change of heading has that name."""
@@ -23,6 +25,8 @@ _RUNNING = (2.0, 3.3)
 """Speeds, m/s, below which one is slow and above which fast."""
 _PASSING = 0.25
 """Of one who goes about faster than this, m/s, hands are not what is to be told."""
+_AT_ONCE = 8
+"""Seconds; what takes longer was not done once."""
 _HANDS = (1.1, 3.0)
 """Peak speeds of a hand, m/s, below which it is slow and above which quick."""
 
@@ -45,7 +49,7 @@ def fields(facts: Facts, action: str | None) -> dict[str, str]:
         facts: of the motion.
         action: its name in `engines.actions` (or a data set's own), which says whether both hands are meant, or None.
     """
-    words = _way(facts) | _turning(facts, action) | _hand_fields(facts, action) | _leg_fields(facts, action)
+    words = _way(facts, action) | _turning(facts, action) | _hand_fields(facts, action) | _leg_fields(facts, action)
     if facts.distance > 2.0:
         words["across"] = "across the floor"
     if facts.sweep:
@@ -84,14 +88,17 @@ def details(facts: Facts, action: str | None) -> Details:
     return Details(_counts(facts, action), _speeds(facts, action), _durations(facts, action), _extras(facts, action))
 
 
-def _way(facts: Facts) -> dict[str, str]:
+def _way(facts: Facts, action: str | None) -> dict[str, str]:
     ahead, left = facts.drift
     straight = math.hypot(ahead, left)
     words: dict[str, str] = {}
     if straight > 0.6 and straight > _STEADY * facts.distance:
-        words["going"] = _EIGHTHS[round(math.atan2(left, ahead) / (math.pi / 4)) % 8]
-    if facts.steps >= 3 and facts.distance > 0.25 * facts.duration:
-        words["steps"] = f"{number(facts.steps)} steps" if facts.steps <= 12 else "many steps"
+        angle = math.atan2(left, ahead)
+        words["going"] = _EIGHTHS[round(angle / (math.pi / 4)) % 8]
+        if action in {"walk left", "walk right"} and words["going"] == "forward" and abs(angle) > _ASIDE:
+            words["going"] = f"forward and slightly to the {'left' if left > 0 else 'right'}"
+    if 3 <= facts.steps <= 12 and facts.distance > 0.25 * facts.duration:
+        words["steps"] = f"{number(facts.steps)} steps"
     return words
 
 
@@ -186,9 +193,10 @@ def _speeds(facts: Facts, action: str | None) -> tuple[str, ...]:
     if not acting or action is None:
         return ()
     peak = max(facts.hands[side].peak_speed for side in acting)
-    if peak < _HANDS[0]:
-        return ("slowly", "with slow movements", "in a slow movement")
-    return ("quickly", "with quick movements", "in a quick movement") if peak > _HANDS[1] else ()
+    pace = "slow" if peak < _HANDS[0] else "quick" if peak > _HANDS[1] else None
+    if pace is None:
+        return ()
+    return (f"{pace}ly", f"with {pace} movements" if action in phrases.ONGOING else f"in a {pace} movement")
 
 
 def _durations(facts: Facts, action: str | None) -> tuple[str, ...]:
@@ -199,6 +207,8 @@ def _durations(facts: Facts, action: str | None) -> tuple[str, ...]:
         long = "about a second" if seconds <= 1 else f"about {number(seconds)} seconds"
     if action in phrases.ONGOING or action is None:
         return (f"for {long}",) if seconds >= 2 else ()
+    if seconds > _AT_ONCE:
+        return ()
     return (f"in {long}", f"in {long}", f"taking {long}")
 
 

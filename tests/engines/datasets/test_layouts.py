@@ -39,6 +39,13 @@ def test_every_set_of_the_papers_has_a_maker_here() -> None:
     assert set(MAKERS) | {"bandai-namco", "cmu", "utd-mhad"} == set(CORPORA)
 
 
+def test_the_page_of_data_sets_names_each_with_its_download() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "datasets.md").read_text(encoding="utf-8")
+    for name, corpus in CORPORA.items():
+        row = next(line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
+        assert f"({corpus.download})" in row
+
+
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_goes_in_comes_out(name: str, tmp_path: Path) -> None:
     """Upright, facing ahead, the left hand up and the right down, as far along as it walked, nearly the same joints."""

@@ -123,6 +123,16 @@ def test_styles_are_said_and_plain_ones_not(style: str) -> None:
     assert not any(f" {word} " in plain for word in (*adjectives, *manners))
 
 
+def test_no_style_and_no_phrase_has_a_word_that_a_mirror_would_change() -> None:
+    """ "With no strength left" would become right in the mirror, and be taken for a side."""
+    for adjectives, manners in styles.STYLES.values():
+        for words in (*adjectives, *manners):
+            assert mirror_words(words) == words
+    for table in (phrases.PHRASES, phrases.LABELS, phrases.HELD, {"any": phrases.ANY}):
+        for text in (text for row in table.values() for text in row):
+            assert mirror_words(text) == text
+
+
 def test_a_style_unknown_here_is_said_all_the_same() -> None:
     assert "in an icy way" in " ".join(captions(clip_of(wave(), "walk", style="icy")))
 
