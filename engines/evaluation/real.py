@@ -55,6 +55,7 @@ class RealMotions:
                 first = len(self.stretches)
                 self.stretches += _cut(clip, frames)
                 self.by_action[self.actions.index(clip.action)].append(range(first, len(self.stretches)))
+        self._own = {i: clip for clips in self.by_action for clip in clips for i in clip}
         self._seen: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._measured: dict[int, dict[str, float]] = {}
 
@@ -88,12 +89,16 @@ class RealMotions:
         return np.array([clip.start for clips in self.by_action for clip in clips], dtype=np.int64)
 
     def recognised(self, chosen: np.ndarray) -> Recognised:
-        """The recogniser's view of stretches (N,)."""
-        new = [int(i) for i in np.unique(chosen) if int(i) not in self._seen]
-        for start in range(0, len(new), 256):
-            part = new[start : start + 256]
-            seen = self.recogniser.recognised([self.stretches[i].motion for i in part])
-            self._seen |= {i: (seen.features[k], seen.logits[k]) for k, i in enumerate(part)}
+        """The recogniser's view of stretches (N,).
+
+        It looks at all stretches of a clip together: what it says of one then never depends, not even in the last
+        digit, on what else was drawn before.
+        """
+        for i in map(int, np.unique(chosen)):
+            if i not in self._seen:
+                own = self._own[i]
+                seen = self.recogniser.recognised([self.stretches[k].motion for k in own])
+                self._seen |= {k: (seen.features[j], seen.logits[j]) for j, k in enumerate(own)}
         features, logits = zip(*(self._seen[int(i)] for i in chosen), strict=True)
         return Recognised(np.stack(features), np.stack(logits))
 

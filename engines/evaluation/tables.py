@@ -20,6 +20,10 @@ def columns(rows: Sequence[Row]) -> dict[str, Metric]:
     return {name: metric for name, metric in METRICS.items() if name in there}
 
 
+PAPERS = ("fid", "accuracy_top1", "accuracy_top5", "diversity", "multimodality")
+"""Columns of the papers; the others are physical."""
+
+
 def heading(metric: Metric) -> str:
     """Title, arrow and unit."""
     return f"{metric.title} {metric.arrow}" + (f" ({metric.unit})" if metric.unit else "")
@@ -61,12 +65,12 @@ def notes(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, 
         f"frames a second; {len(results.actions)} actions in equal parts; seed {basis['seed']}.",
         "↑ higher is better, ↓ lower is better, → the closer to real motions of the training split the better. "
         "Bold: the best of the generated.",
-        f"FID compares with held-out real clips ({basis['data']}), drawn with replacement, as many of each action. All "
-        "rows meet the same draw in the same repeat. A clip longer than a generated motion gives a stretch of it, a "
-        "shorter one counts as it is.",
-        f"`{REAL}` is a second draw from the same clips, the floor of every figure; its multimodality is low where an "
-        f"action has few clips. `{TRAINING}` is drawn from the clips that engines and recogniser were trained on, so "
-        "that its accuracy is no measure of the recogniser.",
+        f"FID compares with held-out real clips (data: {basis['data']}), drawn with replacement, as many of each "
+        "action. All rows meet the same draw in the same repeat. A clip longer than a generated motion gives a stretch "
+        "of it, a shorter one counts as it is.",
+        f"`{REAL}` is a second draw from the same clips: what real motion itself scores; its multimodality is low "
+        f"where an action has few clips. `{TRAINING}` is drawn from the clips that engines and recogniser were trained "
+        "on, so that its accuracy is no measure of the recogniser.",
         f"Accuracy counts over all {len(results.answers)} labels of the recogniser. Diversity: "
         f"{ACTION2MOTION.diversity_pairs} pairs; multimodality: {ACTION2MOTION.multimodality_pairs} pairs an action.",
         f"Physical measures: about {PHYSICAL} motions of each repeat, the first of every action. Per-action Fréchet "

@@ -25,13 +25,13 @@ def dots(
     Args:
         title: for screen readers.
         labels: of the rows, from the top.
-        series: name -> (labels,) values; the k-th has the class `s{k}`.
+        series: name -> (labels,) values; the k-th has the class `s{k}`, the first is drawn as a ring.
         log: axis of ratios; for values that are far apart.
         percent: values are shares.
     """
     values = np.stack(list(series.values()))
     axis = _Axis.logarithmic(values) if log else _Axis.linear(0.0, 1.0 if percent else float(values.max()))
-    width, height = NAMES + 560, LINE * len(labels) + 30
+    width, height = NAMES + 760, LINE * len(labels) + 30
 
     def x(value: float) -> float:
         return NAMES + 10 + axis.share(value) * (width - NAMES - 40)
@@ -48,9 +48,12 @@ def dots(
         low, high = values[:, row].min(), values[:, row].max()
         parts.append(f'<text class="end" x="{NAMES}" y="{y + 4}">{escape(label)}</text>')
         parts.append(f'<path class="range" d="M{x(low):.1f} {y}H{x(high):.1f}"/>')
+        marks = []
         for k, (name, column) in enumerate(series.items()):
             hint = f"<title>{escape(label)}, {escape(name)}: {shown(column[row])}</title>"
-            parts.append(f'<circle class="s{k}" cx="{x(column[row]):.1f}" cy="{y}" r="4.5">{hint}</circle>')
+            size = 4.5 if k else 6.5
+            marks.append(f'<circle class="s{k}" cx="{x(column[row]):.1f}" cy="{y}" r="{size}">{hint}</circle>')
+        parts += marks[::-1]  # the first is a ring around what it falls together with
     return _svg(title, width, height, parts)
 
 

@@ -25,8 +25,16 @@ def text(words: str) -> str:
 
 
 def figures(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, ...]]) -> str:
-    """The table and how to read it."""
-    names = tables.columns(rows)
+    """The table, the papers' columns apart from the physical ones, and how to read it."""
+    names = list(tables.columns(rows))
+    said = "".join(f"<li>{text(note)}</li>" for note in tables.notes(results, rows, left_out))
+    papers = [name for name in names if name in tables.PAPERS]
+    physical = [name for name in names if name not in tables.PAPERS]
+    apart = f"<h3>Is it physically plausible</h3>{_table(rows, physical)}"
+    return f'{_table(rows, papers)}{apart}<ul class="notes">{said}</ul>'
+
+
+def _table(rows: Sequence[Row], names: Sequence[str]) -> str:
     winners = {name: tables.best(rows, name) for name in names}
     lines = []
     for row in rows:
@@ -35,10 +43,9 @@ def figures(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str
         key = f'<span class="key s{_series(rows).index(row.name)}"></span>' if row.name in _series(rows) else ""
         lines.append(f'<tr class="{row.kind}"><th scope="row">{key}{text(row.name)}</th>{cells}</tr>')
     heads = "".join(f'<th scope="col">{_heading(name)}</th>' for name in names)
-    said = "".join(f"<li>{text(note)}</li>" for note in tables.notes(results, rows, left_out))
     return (
         f'<div class="wide"><table><thead><tr><th scope="col"></th>{heads}</tr></thead><tbody>{"".join(lines)}</tbody>'
-        f'</table></div><ul class="notes">{said}</ul>'
+        "</table></div>"
     )
 
 
@@ -56,7 +63,7 @@ def published_figures() -> str:
         "features it is taken in, so the numbers of another evaluator say nothing about ours. “w/ Lie” is the variant "
         "<code>lie</code>.</p>"
         f'<div class="wide"><table><thead><tr><th scope="col"></th>{heads}<th scope="col" class="text">data</th>'
-        f'<th scope="col">source</th></tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
+        f'<th scope="col" class="text">source</th></tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
     )
 
 
@@ -83,11 +90,10 @@ def by_action(rows: Sequence[Row], actions: Sequence[str]) -> str:
     )  # fmt: skip
     for what, title in said:
         means = np.array(mean_of_made(rows, what))
-        order = np.argsort(-means if what == "accuracy" else means, kind="stable").tolist()
+        order = np.argsort(-means if what == "accuracy" else means, kind="stable")
         columns = {row.name: row.of_actions(what)[order] for row in series}
-        chart = charts.dots(
-            title, [actions[i] for i in order], columns, log=what == "frechet", percent=what == "accuracy"
-        )
+        ordered = [actions[int(i)] for i in order]
+        chart = charts.dots(title, ordered, columns, log=what == "frechet", percent=what == "accuracy")
         parts.append(f"<h3>{text(title)}</h3>{chart}")
     return "".join(parts)
 
@@ -131,7 +137,7 @@ def maps(features: Mapping[str, np.ndarray], names: Sequence[str], seed: int) ->
         f'<p class="dim">What the recogniser sees of {len(names):,} motions of each row. Grey: held-out real motions; '
         "coloured: generated, over the same ones. Generated motions should lie where real ones do.</p>"
     )
-    return intro + "".join(parts)
+    return f'{intro}<div class="planes">{"".join(parts)}</div>'
 
 
 def again(rows: Sequence[Row], results: Results, facts: Mapping[str, str]) -> str:
@@ -179,7 +185,7 @@ def _panels(title: str, points: np.ndarray, features: Mapping[str, np.ndarray], 
         chart = charts.scatter(f"{title}: {name} and real motions", placed["real"], placed[name], names, kind)
         key = f'<span class="key s{kind}"></span>'
         figures.append(f"<figure><figcaption>{key}{text(name)}</figcaption>{chart}</figure>")
-    return f'<h3>{text(title)}</h3><div class="maps">{"".join(figures)}</div><br>'
+    return f'<div><h3>{text(title)}</h3><div class="maps">{"".join(figures)}</div></div>'
 
 
 def _most_confused(shares: np.ndarray, bench: ActionBench) -> str:

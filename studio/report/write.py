@@ -6,6 +6,7 @@ import base64
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,8 @@ _EXAMPLES = 6
 """Actions shown as players."""
 _FIGURES = 5
 """Bodies in one player, about."""
+_COLOURS = ("#56b4e9", "#e69f00", "#2fb98f", "#cc79a7", "#f0e442", "#d55e00", "#7d8ff0")
+"""Of the generated rows in the player, as in the page's charts (`--s1` and so on, in the dark)."""
 
 
 @dataclass(frozen=True)
@@ -127,18 +130,18 @@ def _player_values(samples: Samples, actions: Sequence[int]) -> str:
     """Body, options, and one payload for each action: a real motion, then some of each engine."""
     from viewers import bodies
     from viewers.web.controls import actors_of, encode
+    from viewers.web.payload import MAX_ACTORS, Actor
 
     made = [name for name in samples.motions if name != "real"]
     each = max(1, (_FIGURES - 1) // len(made))
     body, takes = b"", []
     for action in actions:
-        cast, names = [samples.motions["real"][action][0]], ["real"]
-        for name in made:
+        cast = [Actor(samples.motions["real"][action][0], "real")]
+        for name, colour in zip(made, cycle(_COLOURS), strict=False):
             some = samples.motions[name][action][:each]
             short = name.partition(":")[2] or name
-            cast += some
-            names += [short if len(some) == 1 else f"{short}, {k}" for k in range(1, len(some) + 1)]
-        body, data = encode(actors_of(cast[:16], names[:16]), bodies.DEFAULT)
+            cast += [Actor(m, short if each == 1 else f"{short}, {k}", colour) for k, m in enumerate(some, start=1)]
+        body, data = encode(actors_of(cast[:MAX_ACTORS]), bodies.DEFAULT)
         takes.append(base64.b64encode(data).decode())
     options = {"theme": "auto", "playing": True, "camera": "front"}
     values = {"options": options, "body_data": base64.b64encode(body).decode(), "takes": takes}

@@ -1,0 +1,156 @@
+"""`motionloom evaluate` with engines, clips and recogniser of a few units."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from collections.abc import Callable
+
+import pytest
+
+import engines
+from engines import datasets
+from engines.errors import UnknownLabelError
+from engines.metrics.evaluators import recogniser
+from studio import cli, report, tasks
+from tests.engines.action2motion import tiny
+from tests.engines.evaluation import small
+
+QUICK = ("--repeats", "2", "--motions", "10", "--frames", "8", "--out", "report")
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path) -> Callable[..., tuple[int, str, str]]:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MOTIONLOOM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["motionloom", "evaluate", *arguments])
+        code: object = 0
+        try:
+            cli.main()
+        except SystemExit as stop:
+            code = stop.code
+        printed = capsys.readouterr()
+        return int(str(code or 0)), printed.out, printed.err
+
+    return call
+
+
+def _only_tables(out, bench, named, results, repeats, _facts):
+    report.write_tables(out, results, results.shown(list(named), repeats), bench.left_out)
+    return out / "index.html"
+
+
+@pytest.fixture
+def world(monkeypatch, tmp_path):
+    """Engines by variant, prepared clips and a recogniser's weights; the page itself is tested elsewhere."""
+    known = {name: tiny.engine(name) for name in ("glmi-m", "lie")}
+    for engine in known.values():
+        engine.variants = tuple(known)
+
+    def load(_name: str, variant: str = "glmi-m", **_options):
+        if variant not in known:
+            raise UnknownLabelError("variant of action2motion", variant, known)
+        return known[variant]
+
+    monkeypatch.setattr(engines, "load", load)
+    monkeypatch.setattr(tasks, "load_engine", lambda *_: known["glmi-m"])
+    monkeypatch.setattr(datasets, "load", lambda *_: small.clips())
+    monkeypatch.setattr(recogniser, "load", lambda *_: small.recogniser())
+    (tmp_path / "evaluator-action.safetensors").write_bytes(b"weights")
+    monkeypatch.setattr(recogniser, "WEIGHTS", tmp_path)
+    monkeypatch.setattr(report, "write_report", _only_tables)
+    return known
+
+
+def test_all_variants_in_one_table(run, world, tmp_path) -> None:
+    code, out, err = run("action2motion:all", *QUICK)
+    assert code == 0, err
+    values = json.loads((tmp_path / "report" / "table.json").read_text())
+    names = ["real (held out)", "real (training)", "action2motion:glmi-m", "action2motion:lie"]
+    assert [row["row"] for row in values["rows"]] == names
+    assert [row["repeats"] for row in values["rows"]] == [2] * 4
+    assert all(name in out for name in names)
+    assert "FID ↓" in out
+    assert out.splitlines()[-1] == "report/index.html"
+    assert "left out, without a held-out clip: throw" in err
+    assert {p.name for p in (tmp_path / "report").iterdir()} == {"rows.json", "table.md", "table.csv", "table.json"}
+
+
+def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(run, world, tmp_path, monkeypatch) -> None:
+    assert run("action2motion", "--seed", "5", *QUICK[:-1], "whole")[0] == 0
+    engine, calls = world["glmi-m"], []
+    make = engine.generate_many
+
+    def interrupted(*given, **options):
+        calls.append(given)
+        if len(calls) == 7:  # in the second repeat of five actions
+            signal.raise_signal(signal.SIGINT)
+        return make(*given, **options)
+
+    monkeypatch.setattr(engine, "generate_many", interrupted)
+    before = signal.getsignal(signal.SIGINT)
+    code, _, err = run("action2motion", "--seed", "5", *QUICK)
+    assert code == 130
+    assert err.startswith("cancelled: stopped in repeat 2 of action2motion")
+    assert signal.getsignal(signal.SIGINT) is before
+    assert not (tmp_path / "report" / "table.md").exists()
+    code, _, err = run("action2motion", "--seed", "5", *QUICK)
+    assert code == 0, err
+    assert len(calls) == 7 + 5, "only the second repeat was made again"
+    assert (tmp_path / "report" / "table.csv").read_text() == (tmp_path / "whole" / "table.csv").read_text()
+
+
+def test_another_seed_needs_another_folder_or_fresh(run, world) -> None:
+    assert run("action2motion", *QUICK)[0] == 0
+    code, _, err = run("action2motion", "--seed", "1", *QUICK)
+    assert code == 1
+    assert "seed 0, now 1" in err
+    assert run("action2motion", "--seed", "1", "--fresh", *QUICK)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["action2motoin"], "did you mean 'action2motion'"),
+        (["action2motion:glmi"], "did you mean 'glmi-m'"),
+        (["action2motion", "--data", "train"], "'held-out'"),
+        (["action2motion", "--repeats", "0"], "--repeats is 0; accepted: 1 or more"),
+        (["action2motion", "--threads", "0"], "--threads is 0"),
+        (["action2motion", "--motions", "3"], "10 or more: two of each of 5 actions"),
+        (["action2motion", "--frames", "1"], "4 or more"),
+        (["action2motion", "--seed", "-1"], "0 to 2^63"),
+    ],
+)
+def test_a_persons_mistake_is_one_line_and_code_1(run, world, arguments, says) -> None:
+    code, out, err = run(*arguments, "--out", "report")
+    assert (code, out) == (1, "")
+    assert err.startswith("error: ")
+    assert says in err
+    assert err.count("\n") == 1
+
+
+def test_missing_data_weights_and_engines_that_do_not_go_by_actions(run, world, monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(world["glmi-m"], "capabilities", frozenset({"text"}))
+    assert "does not go by actions" in run("action2motion", *QUICK)[2]
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MOTIONLOOM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(recogniser, "WEIGHTS", tmp_path / "nowhere")
+    code, _, err = run("action2motion", *QUICK)
+    assert code == 1
+    assert "no such weights; train them with" in err
+    monkeypatch.setattr(recogniser, "load", lambda *_: small.recogniser())
+    assert "motionloom data prepare" in run("action2motion", *QUICK)[2]
+    assert not (tmp_path / "report").exists()
+
+
+def test_help_has_examples(run) -> None:
+    code, out, _ = run("--help")
+    assert code == 0
+    assert "motionloom evaluate action2motion:all --out report/" in out
+    assert run()[0] == 2
