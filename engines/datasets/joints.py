@@ -37,10 +37,11 @@ def load_npy(path: Path) -> np.ndarray:
     """
     existing_file(path)
     try:
-        values = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+        # mapped first: a file that claims more than it holds is refused before anything is allocated for it
+        values = np.array(np.load(path, mmap_mode="r", allow_pickle=False))
+    except (OSError, ValueError, EOFError, TypeError, AttributeError) as error:
         raise FormatError(path, f"is no .npy array that can be read ({error}).") from error
-    if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
+    if values.dtype.kind != "f":
         raise FormatError(path, "holds no floating point numbers; accepted: an array (frames, joints, 3).")
     return values
 
@@ -49,7 +50,7 @@ def shape_of(path: Path) -> tuple[int, ...]:
     """The shape a .npy file states, () if it is none; the array itself is not read. Never raises."""
     try:
         return np.load(path, mmap_mode="r", allow_pickle=False).shape
-    except (OSError, ValueError, EOFError):
+    except (OSError, ValueError, EOFError, TypeError, AttributeError):
         return ()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +14,7 @@ from engines import datasets
 from engines.datasets import CORPORA
 from engines.datasets.corpus import HOUSE_FPS, ClipInfo, Timed
 from engines.datasets.humanact12 import ACTIONS
-from engines.datasets.joints import from_joints
+from engines.datasets.joints import from_joints, load_npy, shape_of
 from engines.errors import FormatError
 from engines.geometry import canonical
 from engines.motion import Motion
@@ -262,6 +263,38 @@ def test_prepared_clips_keep_texts_labels_and_official_parts(tmp_path: Path, mon
 def test_joints_that_are_no_body_are_refused(joints: np.ndarray, says: str) -> None:
     with pytest.raises(FormatError, match=says):
         from_joints(Path("x.npy"), joints, {role: i for i, role in enumerate(SMPL22.joints)}, 20.0)
+
+
+def claims_more_than_it_holds() -> bytes:
+    """The file of an array of half a million frames, cut after four."""
+    stream = io.BytesIO()
+    np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": (500_000, 22, 3)})
+    return stream.getvalue() + bytes(4 * 22 * 3 * 8)
+
+
+def saved(values: np.ndarray) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, values, allow_pickle=True)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "the file is empty"),
+        (b"no array at all", "is no .npy array"),
+        (saved(np.zeros((4, 22, 3)))[:40], "is no .npy array"),
+        (claims_more_than_it_holds(), "is no .npy array"),
+        (saved(np.array([{"run": "code"}], dtype=object)), "is no .npy array"),
+        (saved(np.zeros((4, 22, 3), dtype=np.int64)), "holds no floating point numbers"),
+    ],
+)
+def test_a_damaged_array_is_told_and_never_unpickled(content: bytes, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.npy"
+    path.write_bytes(content)
+    with pytest.raises(FormatError, match=says):
+        load_npy(path)
+    assert shape_of(path) in {(), (4, 22, 3)}
 
 
 @pytest.mark.parametrize("axes", ["xyz", "-y down", "z up", "mirrored"])
