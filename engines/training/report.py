@@ -36,7 +36,7 @@ def write_reports(state: TrainingState, folder: Path, title: str) -> None:
 
 def table(state: TrainingState) -> str:
     """All logged lines as CSV, in the order of their steps: split (train or val), step, seconds, total, terms, ..."""
-    lines = [{"split": "train", "total": _total(line), **line} for line in state.history]
+    lines = [{"split": "train", "total": total_of(line), **line} for line in state.history]
     lines += [{"split": "val", **line} for line in state.validation]
     lines.sort(key=lambda line: (line["step"], line["split"]))
     columns = dict.fromkeys(["split", "step", "seconds", "total", *(name for line in lines for name in line)])
@@ -60,14 +60,15 @@ def page(state: TrainingState, title: str) -> str:
         "best": {"step": state.best_step, "total": state.best_total} if math.isfinite(state.best_total) else None,
         "parameters": sum(p.numel() for p in state.model.parameters()),
         "processes": state.share.world,
-        "train": _series([{"total": _total(line), **line} for line in state.history]),
+        "train": _series([{"total": total_of(line), **line} for line in state.history]),
         "validation": _series(state.validation),
     }
     data = json.dumps(facts).replace("<", "\\u003c")
     return _PAGE.read_text(encoding="utf-8").replace('"DATA"', data, 1).replace("TITLE", _escaped(title), 1)
 
 
-def _total(line: dict[str, float]) -> float:
+def total_of(line: dict[str, float]) -> float:
+    """The loss of a logged line: the sum of its terms."""
     return sum(value for name, value in line.items() if name not in _FACTS)
 
 

@@ -186,6 +186,8 @@ def _bar() -> Iterator[Callable[[TrainingState], None]]:
     """A progress bar with the time to go and the losses, on a terminal and in the first process only."""
     from tqdm import tqdm
 
+    from engines.training.report import total_of
+
     bar: tqdm | None = None
 
     def tick(state: TrainingState) -> None:
@@ -194,13 +196,12 @@ def _bar() -> Iterator[Callable[[TrainingState], None]]:
             bar = tqdm(
                 desc="train", unit="step", total=state.plan.steps, initial=state.step - 1, disable=None, leave=False
             )
-        bar.update(state.step - bar.n)
         if state.step % state.plan.log_every == 0:
-            facts = {"step", "seconds", "learning_rate", "gradient_norm"}
-            shown = {"loss": sum(value for name, value in state.history[-1].items() if name not in facts)}
+            shown = {"loss": total_of(state.history[-1])}
             if state.validation:
                 shown["held back"] = state.validation[-1]["total"]
             bar.set_postfix({name: f"{value:.3f}" for name, value in shown.items()}, refresh=False)
+        bar.update(state.step - bar.n)
 
     try:
         yield tick if _first() else lambda _state: None
