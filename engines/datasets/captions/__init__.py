@@ -116,6 +116,8 @@ def _compose(material: _Material, random: Random) -> str:
         extra = random.choice(extras)
         if not _repeats(extra, verb):
             tail = f" {extra}" if extra.startswith("w") else f", {extra}"
+    if tail.startswith(", taking") and "[take]" in verb:
+        tail = ""
     phrase = " ".join([verb, *after]) + tail
     return sentence(front + frame.format(who=who, s=inflect(phrase, "s"), ing=inflect(phrase, "ing")))
 

@@ -84,6 +84,7 @@ def test_every_action_gets_enough_distinct_grammatical_sentences(action: str | N
 
 def check_grammar(text: str) -> None:
     assert re.fullmatch(r"[A-Z][A-Za-z0-9é' ,-]*\.", text), text
+    assert not re.search(r"\btak(es|ing)\b.*\btak(es|ing)\b", text), text
     assert grammar.doubled(text) is None, text
     assert "  " not in text
     assert " ," not in text
