@@ -30,6 +30,8 @@ FPS = 20.0
 BONES = 3 * (len(SMPL22) - 1)
 CHANNELS = 2 * BONES + 4
 """Bone directions, how they change from frame to frame, root height and root velocity."""
+STRIDES = (2, 1, 2, 1, 1)
+"""Of the convolutions over time: half and quarter rate."""
 LONGEST = 160
 """Frames looked at, 8 seconds; of a longer motion the middle."""
 WEIGHTS = Path(__file__).resolve().parents[2] / "weights"
@@ -77,9 +79,11 @@ class RecogniserNet(nn.Module):
         super().__init__()
         self.config = config
         width = config.width
-        sizes = [(CHANNELS, 2), (width, 1), (width, 2), (width, 1), (width, 1)]
-        self.convolutions = nn.ModuleList(nn.Conv1d(a, width, 5, stride=s, padding=2) for a, s in sizes)
-        self.norms = nn.ModuleList(nn.BatchNorm1d(width) for _ in sizes)
+        sizes = [CHANNELS, *[width] * (len(STRIDES) - 1)]
+        self.convolutions = nn.ModuleList(
+            nn.Conv1d(size, width, 5, stride=stride, padding=2) for size, stride in zip(sizes, STRIDES, strict=True)
+        )
+        self.norms = nn.ModuleList(nn.BatchNorm1d(width) for _ in STRIDES)
         self.features = nn.Linear(2 * width, config.features)
         self.output = nn.Linear(config.features, len(config.labels))
         self.register_buffer("mean", torch.zeros(CHANNELS))
@@ -90,8 +94,7 @@ class RecogniserNet(nn.Module):
         x = ((frames - self.mean) / self.std).mT
         there = mask[:, None].to(x)
         x = x * there
-        for convolution, norm in zip(self.convolutions, self.norms, strict=True):
-            stride = convolution.stride[0]
+        for convolution, norm, stride in zip(self.convolutions, self.norms, STRIDES, strict=True):
             there = there[:, :, ::stride]
             made = nn.functional.gelu(norm(convolution(x))) * there
             x = made + x if made.shape == x.shape else made
