@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
+from itertools import combinations
 from typing import Any
 
 from engines.evaluation import published
@@ -29,21 +30,35 @@ def heading(metric: Metric) -> str:
     return f"{metric.title} {metric.arrow}" + (f" ({metric.unit})" if metric.unit else "")
 
 
-def best(rows: Sequence[Row], name: str) -> str | None:
-    """The row of generated motions with the best mean; none where there are no two to choose from.
+def best(rows: Sequence[Row], name: str) -> tuple[str, ...]:
+    """The rows of generated motions with the best mean, several where they tie; none if there is nothing to choose.
 
     "Like real" is like motions of the training split: there are more clips of each action than are held out.
     """
     made = {row.name: row.estimates[name].mean for row in rows if row.kind == "made" and name in row.estimates}
-    if len(set(made.values())) < 2:
-        return None
-    if METRICS[name].better == "higher":
-        return max(made, key=lambda row: made[row])
     real = {row.name: row.estimates[name].mean for row in rows if row.kind == "real" and name in row.estimates}
     target = real.get(TRAINING, real.get(REAL))
-    if METRICS[name].better == "lower" or target is None:
-        return min(made, key=lambda row: made[row]) if METRICS[name].better == "lower" else None
-    return min(made, key=lambda row: abs(made[row] - target))
+    better = METRICS[name].better
+    if len(set(made.values())) < 2 or (better == "like real" and target is None):
+        return ()
+    loss = {"higher": lambda mean: -mean, "lower": lambda mean: mean, "like real": lambda mean: abs(mean - target)}
+    found = {row: loss[better](mean) for row, mean in made.items()}
+    return tuple(row for row, value in found.items() if value == min(found.values()))
+
+
+def same_networks(rows: Sequence[Row]) -> list[str]:
+    """Pairs of generated rows that agree to all digits in some figure, in every repeat: they share networks."""
+    said = []
+    for one, other in combinations([row for row in rows if row.kind == "made"], 2):
+        first, second = one.estimates, other.estimates
+        names = [n for n in columns([one]) if n not in PAPERS and n in second and any(first[n].values)]
+        alike = [METRICS[n].title.lower() for n in names if first[n].values == second[n].values]
+        if alike:
+            said.append(
+                f"{one.name} and {other.name} agree to all digits in {', '.join(alike)}: they are not independent, "
+                "some of their networks are the same."
+            )
+    return said
 
 
 def cell(estimate: Estimate | None) -> str:
@@ -64,7 +79,7 @@ def notes(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, 
         f"repeat{'s' if repeats[-1] > 1 else ''} of {basis['motions']:,} motions of {basis['frames']} frames at 20 "
         f"frames a second; {len(results.actions)} actions in equal parts; seed {basis['seed']}.",
         "↑ higher is better, ↓ lower is better, → the closer to real motions of the training split the better. "
-        "Bold: the best of the generated.",
+        "Bold: the best mean of the generated; a difference smaller than the intervals is none.",
         f"FID compares with held-out real clips (data: {basis['data']}), drawn with replacement, as many of each "
         "action. All rows meet the same draw in the same repeat. A clip longer than a generated motion gives a stretch "
         "of it, a shorter one counts as it is.",
@@ -79,6 +94,7 @@ def notes(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, 
     ]
     if any("bone_length_drift" in row.repeats[0].figures for row in rows):
         said.append("Bone-length drift is that of the joints as the network gives them; motions themselves are rigid.")
+    said += same_networks(rows)
     said += [f"Left out, {reason}: {', '.join(names)}." for reason, names in left_out.items()]
     return said
 
@@ -91,7 +107,7 @@ def markdown(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[st
     for row in rows:
         found = row.estimates
         cells = [cell(found.get(name)) for name in names]
-        marked = [f"**{c}**" if winners[n] == row.name else c for n, c in zip(names, cells, strict=True)]
+        marked = [f"**{c}**" if row.name in winners[n] else c for n, c in zip(names, cells, strict=True)]
         lines.append(_line([row.name, *marked]))
     lines += ["", *(f"- {note}" for note in notes(results, rows, left_out))]
     lines += ["", "## The papers' figures\n", f"{published.WARNING.capitalize()}.\n"]

@@ -51,8 +51,11 @@ def dots(
         marks = []
         for k, (name, column) in enumerate(series.items()):
             hint = f"<title>{escape(label)}, {escape(name)}: {shown(column[row])}</title>"
-            size = 4.5 if k else 6.5
-            marks.append(f'<circle class="s{k}" cx="{x(column[row]):.1f}" cy="{y}" r="{size}">{hint}</circle>')
+            # side by side where they fall together
+            off, size = (0.0, 6.5) if k == 0 else (9.0 * ((k - 0.5) / (len(series) - 1) - 0.5), 4.0)
+            marks.append(
+                f'<circle class="s{k}" cx="{x(column[row]):.1f}" cy="{y + off:.1f}" r="{size}">{hint}</circle>'
+            )
         parts += marks[::-1]  # the first is a ring around what it falls together with
     return _svg(title, width, height, parts)
 

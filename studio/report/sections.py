@@ -39,7 +39,7 @@ def _table(rows: Sequence[Row], names: Sequence[str]) -> str:
     lines = []
     for row in rows:
         found = row.estimates
-        cells = "".join(_cell(found.get(name), winners[name] == row.name) for name in names)
+        cells = "".join(_cell(found.get(name), row.name in winners[name]) for name in names)
         key = f'<span class="key s{_series(rows).index(row.name)}"></span>' if row.name in _series(rows) else ""
         lines.append(f'<tr class="{row.kind}"><th scope="row">{key}{text(row.name)}</th>{cells}</tr>')
     heads = "".join(f'<th scope="col">{_heading(name)}</th>' for name in names)

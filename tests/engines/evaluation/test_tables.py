@@ -35,9 +35,17 @@ def results(rows) -> Results:
 
 
 def test_best_of_the_generated(rows) -> None:
-    assert tables.best(rows, "fid") == "b"
-    assert tables.best(rows, "diversity") == "a", "nearest to real training motions, not highest"
-    assert tables.best(rows[:3], "fid") is None, "nothing to choose from"
+    assert tables.best(rows, "fid") == ("b",)
+    assert tables.best(rows, "diversity") == ("a",), "nearest to real training motions, not highest"
+    assert tables.best(rows[:3], "fid") == (), "nothing to choose from"
+
+
+def test_a_tie_is_told_and_so_is_what_it_means(rows) -> None:
+    tied = [*rows, row("c", "made", 2.0, 10.5, 123.4)]
+    assert tables.best(tied, "fid") == ("b", "c")
+    assert tables.same_networks(rows) == []
+    (said,) = tables.same_networks(tied)
+    assert said.startswith("b and c agree to all digits in jitter")
 
 
 @pytest.mark.parametrize(
