@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import save
+from safetensors import SafetensorError
+from safetensors.torch import load, save
 from torch import Tensor
 
 from engines import datasets
@@ -19,7 +20,7 @@ from engines.action2motion import data
 from engines.action2motion.config import Action2MotionConfig
 from engines.action2motion.losses import losses
 from engines.action2motion.model import Action2Motion
-from engines.errors import MotionloomError, OutOfRangeError
+from engines.errors import CheckpointError, MotionloomError, OutOfRangeError
 from engines.skeletons import SMPL22
 from engines.training.devices import launch, share_of
 from engines.training.files import write_beside
@@ -86,6 +87,7 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
     validation: Sequence[datasets.Clip] | None = None,
     corpora: Sequence[str] | None = None,
     plan: Mapping[str, Any] | None = None,
+    trunk: Path | None = None,
     device: str = "auto",
     resume: bool | None = None,
     tick: Callable[[TrainingState], None] | None = None,
@@ -103,6 +105,8 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
         validation: clips held back; the validation split of the prepared data if `clips` are not given either.
         corpora: of the prepared data, all by default.
         plan: fields of `TrainingPlan` other than those the config gives, such as `patience`.
+        trunk: weights of another decoder (.safetensors, settings beside them) to take all from but the velocity unit,
+            which alone is then trained.
         device: auto, cpu or cuda.
         resume: True: there must be a checkpoint. False: begin anew. None: go on if there is one.
         tick: called each step.
@@ -113,6 +117,8 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
         held_back = list(validation or [])
     state, sequences = start(config, clips, seed, plan)
     config = _config(state)
+    if trunk is not None:
+        take_trunk(state, trunk)
     fabric = launch(device, state.plan.precision)
     share_of(fabric).check(config.batch_size)
     sequences.to(fabric.device)
@@ -133,6 +139,35 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
         fabric=fabric,
         options=RunOptions(resume, progress, tick, cancel),
     )
+
+
+def take_trunk(state: TrainingState, path: Path) -> None:
+    """Put the weights of a trained model in place of all but the velocity unit, and train only that.
+
+    The decoders lie, glmi-m and glmi-r differ in nothing else, so a trained trunk serves all three.
+
+    Raises:
+        CheckpointError: the weights are missing, or of other sizes, actions or decoder.
+    """
+    model = _model(state)
+    try:
+        theirs = Action2MotionConfig.from_json(path.with_suffix(".json").read_text(encoding="utf-8"))
+        stored = {name: value.float() for name, value in load(path.read_bytes()).items()}
+    except (OSError, SafetensorError) as error:
+        raise CheckpointError(f"{path}: cannot take a trunk from here: {error}") from error
+    own = {name: value for name, value in model.state_dict().items() if _of_trunk(name)}
+    unlike = [name for name, value in own.items() if name not in stored or stored[name].shape != value.shape]
+    if unlike or theirs.actions != model.config.actions:
+        what = ", ".join(unlike[:3]) or "their actions"
+        raise CheckpointError(f"{path}: the trunk of these weights does not fit; they differ in {what}.")
+    model.load_state_dict({name: stored[name] for name in own}, strict=False)
+    state.averaged = {name: value.detach().clone() for name, value in model.state_dict().items()}
+    for name, parameter in model.named_parameters():
+        parameter.requires_grad_(not _of_trunk(name))
+
+
+def _of_trunk(name: str) -> bool:
+    return not name.startswith("velocity.")
 
 
 def _validation(held_back: data.Sequences) -> Callable[[TrainingState], Iterator[dict[str, Tensor]]]:

@@ -41,6 +41,10 @@ def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
     data: Annotated[
         str | None, typer.Option("--data", metavar="LIST", help="Corpora, comma between; all if none.")
     ] = None,
+    trunk: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Take all but the velocity unit from these weights, and train only that."),
+    ] = None,
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Optimiser steps in all; the preset's if none.")
     ] = None,
@@ -76,6 +80,8 @@ def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom train action2motion --data cmu,bandai-namco --set learning_rate=0.0005 --set patience=10 --run runs/a
 
+    motionloom train action2motion --decoder lie --trunk my.safetensors --steps 500 --run runs/lie
+
     torchrun --nproc-per-node 2 -m -- studio.cli train action2motion --run runs/b
 
     Watch runs/.../losses.html in a browser. Ctrl+C saves and stops; the same command goes on from there, as if it had
@@ -105,6 +111,7 @@ def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
             cancel=stopped,
             corpora=corpora,
             plan=plan,
+            trunk=trunk,
             device=device,
             resume=resume,
             tick=tick,

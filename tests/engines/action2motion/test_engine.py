@@ -92,7 +92,7 @@ def test_long_motions_are_made_few_at_a_time(engine, monkeypatch) -> None:
     assert len(rows) == 2
     assert max(rows) <= 64 * 600
     rows.clear()
-    engine.generate_many("walk", count=70, frames=10)
+    engine.generate_many("walk", count=330, frames=10)
     assert len(rows) == 2
 
 
@@ -117,11 +117,11 @@ def test_bone_scale_changes_bones_not_turns(engine) -> None:
 
 def test_progress_and_cancel(engine) -> None:
     seen: list[tuple[int, int]] = []
-    engine.generate_many("walk", count=70, frames=4, progress=lambda *now: seen.append(now))
-    assert seen == [(64, 70), (70, 70)]
-    with pytest.raises(Cancelled, match="after 64 of 70"):
+    engine.generate_many("walk", count=330, frames=4, progress=lambda *now: seen.append(now))
+    assert seen == [(320, 330), (330, 330)]
+    with pytest.raises(Cancelled, match="after 320 of 330"):
         answers = iter([False, True])
-        engine.generate_many("walk", count=70, frames=4, cancel=lambda: next(answers))
+        engine.generate_many("walk", count=330, frames=4, cancel=lambda: next(answers))
 
 
 def test_what_is_refused_and_what_is_near(engine) -> None:

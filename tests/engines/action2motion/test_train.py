@@ -222,3 +222,21 @@ def test_on_a_gpu_it_learns_the_same_and_resumes(tmp_path: Path) -> None:
     for name in ("reconstruction", "kl", "gradient_norm"):
         assert runs[1].history[-1][name] == pytest.approx(runs[0].history[-1][name], rel=1e-2)
     assert fit(tmp_path / "cuda", device="cuda", steps=8, plan={**PLAN, "precision": "32"}).step == 8
+
+
+def test_a_trunk_serves_another_decoder(tmp_path: Path) -> None:
+    state = train.fit(config("glmi-m", steps=2), tmp_path / "first", clips())
+    train.export(state, tmp_path / "mine.safetensors")
+    trunk = tmp_path / "mine.safetensors"
+    other = train.fit(config("lie", steps=3), tmp_path / "second", clips(), trunk=trunk)
+    stored = load_file(trunk)
+    for name, value in other.averaged.items():
+        if name.startswith("velocity."):
+            continue
+        torch.testing.assert_close(value, stored[name].float(), msg=name)
+    begun, _ = train.start(config("lie", steps=3), clips())
+    assert not torch.equal(other.model.velocity.output.weight, begun.model.velocity.output.weight)
+    with pytest.raises(CheckpointError, match="does not fit"):
+        train.fit(config("plain", steps=1), tmp_path / "third", clips(), trunk=trunk)
+    with pytest.raises(CheckpointError, match="cannot take a trunk"):
+        train.fit(config("lie", steps=1), tmp_path / "fourth", clips(), trunk=tmp_path / "none.safetensors")
