@@ -1,7 +1,6 @@
 """How good a trained Action2Motion is, on held-out clips and on its own draws: the figures of the model card.
 
-The evaluators and metrics of the papers are a matter of their own; recognition here is by nearest neighbours among real
-training clips, which needs no training and is measured on held-out real clips in the same way.
+The papers' whole tables are made by `motionloom evaluate`; this is what fits on a card.
 """
 
 from __future__ import annotations
@@ -15,14 +14,12 @@ import torch
 from engines.action2motion.data import Sequences
 from engines.action2motion.engine import Action2MotionEngine
 from engines.action2motion.model import Draws
-from engines.action2motion.representation import encode
 from engines.datasets import Clip
-from engines.metrics import physical
+from engines.metrics import evaluators, physical
 from engines.motion import Motion
 
 FRAMES = 60
 """Length of the compared stretch at 20 fps."""
-NEIGHBOURS = 5
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Assessment:
     generated: dict[str, Figure]
     real: dict[str, Figure]
     recognised: dict[str, float]
-    """Action -> share of its draws whose nearest real clips say that action."""
+    """Action -> share of its draws that the shipped recogniser takes for it."""
     real_recognised: dict[str, float]
     joint_error_cm: float
     """Mean distance of reconstructed joints of held-out clips, root-relative, latents from the posterior."""
@@ -52,49 +49,26 @@ class Assessment:
     """Nats a model frame between posterior and prior on the same clips."""
 
 
-def assess(engine: Action2MotionEngine, train: Sequence[Clip], test: Sequence[Clip], draws: int = 8) -> Assessment:
-    """All figures; `draws` motions an action."""
-    known = set(engine.config.actions)
-    train = [clip for clip in train if clip.action in known]
-    test = [clip for clip in test if clip.action in known]
-    bank = np.stack([fingerprint(clip.motion) for clip in train])
-    labels = [clip.action or "" for clip in train]
+def assess(engine: Action2MotionEngine, test: Sequence[Clip], draws: int = 8) -> Assessment:
+    """All figures; `draws` motions an action, `test` clips that were held out."""
+    recogniser = evaluators.load("action")
+    test = [clip for clip in test if clip.action in engine.config.actions]
     made = {a: engine.generate_many(a, count=draws, frames=FRAMES, seed=11) for a in engine.config.actions}
-    generated = [motion for motions in made.values() for motion in motions]
-    shown = {action: [recognise(motion, bank, labels) for motion in motions] for action, motions in made.items()}
     seen: dict[str, list[bool]] = {}
-    for clip in test:
-        seen.setdefault(clip.action or "", []).append(recognise(clip.motion, bank, labels) == clip.action)
+    for clip, said in zip(test, recogniser.recognise([clip.motion[:FRAMES] for clip in test]), strict=True):
+        seen.setdefault(clip.action or "", []).append(said == clip.action)
     error, kl = _reconstruction(engine, test)
     return Assessment(
-        generated=_figures(generated),
+        generated=_figures([motion for motions in made.values() for motion in motions]),
         real=_figures([clip.motion[:FRAMES] for clip in test]),
-        recognised={action: float(np.mean([said == action for said in names])) for action, names in shown.items()},
+        recognised={
+            action: float(np.mean([said == action for said in recogniser.recognise(motions)]))
+            for action, motions in made.items()
+        },
         real_recognised={action: float(np.mean(right)) for action, right in seen.items()},
         joint_error_cm=error,
         kl_nats=kl,
     )
-
-
-def fingerprint(motion: Motion) -> np.ndarray:
-    """What a motion looks like over its first three seconds: joints in the heading frame and travel, flattened."""
-    stretch = motion[: min(len(motion), FRAMES)]
-    features = encode(stretch)
-    at = np.minimum(np.arange(0, FRAMES, 3), len(stretch) - 1)
-    travel = np.cumsum(features.velocity, axis=0)[at] * np.array([3.0, 3.0, 2.0])
-    moved = features.positions[at] - features.positions[at].mean(axis=0)
-    return np.concatenate([features.positions[at].ravel(), 1.5 * moved.ravel(), travel.ravel()]).astype(np.float32)
-
-
-def recognise(motion: Motion, bank: np.ndarray, labels: list[str]) -> str:
-    """The action most of the nearest real clips show, the nearest counting most."""
-    distance = np.linalg.norm(bank - fingerprint(motion), axis=1)
-    nearest = np.argsort(distance)[:NEIGHBOURS]
-    votes: dict[str, float] = {}
-    for i in nearest:
-        name = labels[int(i)]
-        votes[name] = votes.get(name, 0.0) + 1.0 / (1e-6 + float(distance[i]))
-    return max(votes, key=lambda name: votes[name])
 
 
 def _figures(motions: Sequence[Motion]) -> dict[str, Figure]:
