@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,7 @@ from engines import actions as vocabulary
 from engines.action2motion.config import DECODERS, Action2MotionConfig, Decoder
 from engines.action2motion.model import Action2Motion
 from engines.action2motion.output import Upsampler, to_motions
-from engines.action2motion.progress import progress_of
+from engines.action2motion.plan import HOUSE_FPS, Plan
 from engines.action2motion.representation import encode
 from engines.actions import Action
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError
@@ -27,7 +25,6 @@ from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
 
 WEIGHTS = Path(__file__).resolve().parent.parent / "weights"
-HOUSE_FPS = 20.0
 MAX_FRAMES = 12_000
 """Ten minutes."""
 MAX_COUNT = 1024
@@ -213,14 +210,14 @@ class Action2MotionEngine:
             raise UnknownLabelError("action", action, self.config.actions)
         return self.config.actions.index(cleaned)
 
-    def _plan(self, parts: Sequence[tuple[int, int]]) -> _Plan:
+    def _plan(self, parts: Sequence[tuple[int, int]]) -> Plan:
         for _, frames in parts:
             _check("frames", frames, 1, MAX_FRAMES)
         total = sum(frames for _, frames in parts)
         _check("frames", total, 1, MAX_FRAMES)
-        return _Plan(self, tuple((label, int(frames)) for label, frames in parts))
+        return Plan(self.config, tuple((label, int(frames)) for label, frames in parts))
 
-    def _conditions(self, plan: _Plan, count: int) -> Tensor:
+    def _conditions(self, plan: Plan, count: int) -> Tensor:
         labels = torch.nn.functional.one_hot(plan.labels, len(self.config.actions)).float()
         parts = torch.cat([labels, plan.progress[:, None]], dim=-1) if self.config.time_counter else labels
         return parts[:, None].expand(-1, count, -1)
@@ -234,7 +231,7 @@ class Action2MotionEngine:
             draws.append(torch.randn(steps, self.config.latent_size, generator=generator))
         return torch.stack(draws, dim=1)
 
-    def _sample(self, plan: _Plan, noise: Tensor, given: Tensor | None = None) -> tuple[Tensor, Tensor]:
+    def _sample(self, plan: Plan, noise: Tensor, given: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Hidden (T, B, H) and latents (T, B, Z) of draws from the prior; `given` (K, B, D) poses begin them."""
         conditions = self._conditions(plan, noise.shape[1])
         drawn = []
@@ -247,13 +244,13 @@ class Action2MotionEngine:
         hidden = self._performed(plan, run, given)
         return hidden, torch.cat([drawn[0], *(latents[1:] for latents in drawn[1:])])
 
-    def _replay(self, plan: _Plan, latents: Tensor) -> Tensor:
+    def _replay(self, plan: Plan, latents: Tensor) -> Tensor:
         """Hidden (T, B, H) for latents (T, B, Z) chosen beforehand."""
         conditions = self._conditions(plan, latents.shape[1])
         return self._performed(plan, lambda rows, start: self.model.replay(conditions[rows], latents[rows], start))
 
     def _performed(
-        self, plan: _Plan, run: Callable[[list[int], Tensor | None], Tensor], given: Tensor | None = None
+        self, plan: Plan, run: Callable[[list[int], Tensor | None], Tensor], given: Tensor | None = None
     ) -> Tensor:
         """Hidden (T, B, H) of a plan, performance by performance.
 
@@ -270,7 +267,7 @@ class Action2MotionEngine:
                     hidden.append(run(list(part), given))
         return torch.cat(hidden)
 
-    def _noise_of(self, plan: _Plan, first: Tensor) -> Tensor:
+    def _noise_of(self, plan: Plan, first: Tensor) -> Tensor:
         """The draw (1, B, Z) that makes the prior give a latent (1, B, Z) for the first frame."""
         known = self._conditions(plan, first.shape[1])[:1]
         nothing = torch.zeros_like(self.model.pose_mean).expand(1, first.shape[1], -1)
@@ -278,7 +275,7 @@ class Action2MotionEngine:
             mu, logvar, _, _ = self.model.prior(torch.cat([nothing, known], dim=-1))
             return (first - mu) * torch.exp(-0.5 * logvar)
 
-    def _motions(self, hidden: Tensor, plan: _Plan, given: Tensor | None = None) -> list[Motion]:
+    def _motions(self, hidden: Tensor, plan: Plan, given: Tensor | None = None) -> list[Motion]:
         """Motions at the house rate from the generator's hidden vectors (T, B, H)."""
         upsampler = Upsampler(plan.steps, self.config.fps, HOUSE_FPS, plan.frames)
         made: list[Motion] = []
@@ -292,7 +289,7 @@ class Action2MotionEngine:
     def _finished(  # noqa: PLR0913 - what goes into the provenance
         self,
         motions: Sequence[Motion],
-        plan: _Plan,
+        plan: Plan,
         seed: int,
         indices: Sequence[int],
         parameters: Mapping[str, Any],
@@ -307,49 +304,6 @@ class Action2MotionEngine:
             done = motion.replaced(labels=plan.segments if labels is None else labels, provenance=origin)
             made.append(done.scale_bones(bone_scale) if bone_scale else done)
         return made
-
-
-class _Plan:
-    """Which action, how far along, at each of the model's frames."""
-
-    def __init__(self, engine: Action2MotionEngine, parts: tuple[tuple[int, int], ...]) -> None:
-        config = engine.config
-        self.name = " > ".join(config.actions[label] for label, _ in parts)
-        self.frames = sum(frames for _, frames in parts)
-        ratio = HOUSE_FPS / config.fps
-        edges = np.cumsum([0] + [frames for _, frames in parts])
-        self.segments = tuple(
-            Segment(int(a), int(b), "action", config.actions[label])
-            for (label, _), a, b in zip(parts, edges[:-1], edges[1:], strict=True)
-        )
-        steps = max(1, int(np.ceil((self.frames - 1) / ratio)) + 1)
-        bounds = [min(steps, round(edge / ratio)) for edge in edges[:-1]] + [steps]
-        labels, progress = [], []
-        for (label, _), a, b in zip(parts, bounds[:-1], bounds[1:], strict=True):
-            labels.append(np.full(b - a, label))
-            action = vocabulary.get(config.actions[label])
-            progress.append(progress_of(b - a, config.nominal_frames[label], action.repeats))
-        self.labels = torch.from_numpy(np.concatenate(labels))
-        self.progress = torch.from_numpy(np.concatenate(progress)).float()
-
-    @property
-    def steps(self) -> int:
-        """Number of the model's frames."""
-        return len(self.labels)
-
-    @property
-    def performances(self) -> list[range]:
-        """The model's frames of each time an action is done; where one action passes into another, memory goes on."""
-        again = (self.progress[1:] < self.progress[:-1]) & (self.labels[1:] == self.labels[:-1])
-        bounds = [0, *(int(frame) + 1 for frame in torch.nonzero(again)), self.steps]
-        return [range(a, b) for a, b in pairwise(bounds)]
-
-    def until(self, steps: int) -> _Plan:
-        """The plan cut, or held at its end, to so many of the model's frames."""
-        other = copy.copy(self)
-        index = torch.arange(steps).clamp(max=self.steps - 1)
-        other.labels, other.progress = self.labels[index], self.progress[index]
-        return other
 
 
 def load(variant: str = "glmi-m", checkpoint: str | Path | None = None) -> Action2MotionEngine | Any:
