@@ -17,6 +17,7 @@ from engines import datasets
 from engines.action2motion import config, train
 from engines.datasets.prepare import VERSION
 from engines.formats import bvh
+from engines.metrics.evaluators import recogniser
 from studio import cli
 from tests.engines.action2motion.tiny import movement
 from tests.studio.fakes import sway
@@ -253,3 +254,16 @@ def test_threads_and_seed_are_passed_on(run, monkeypatch, tmp_path):
     assert (told["folder"], told["seed"], told["threads"]) == (Path("r"), 5, 2)
     assert told["cancel"]() is False
     assert np.isfinite(told["settings"].learning_rate)
+
+
+def test_a_recogniser_is_trained_and_exported(run, clips, tmp_path):
+    code, out, err = run(
+        "train", "evaluator", "--task", "action", "--run", "r", "--steps", "2", "--export", "mine.safetensors"
+    )
+    assert code == 0, err
+    assert "val: no clip with such a label" in out
+    assert "test: formula " in out
+    assert recogniser.load("action", tmp_path / "mine.safetensors").config.extra == {"step": 2}
+    code, _, err = run("train", "evaluator", "--task", "actoin", "--run", "r")
+    assert code != 0
+    assert "did you mean 'action'" in err

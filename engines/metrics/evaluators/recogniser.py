@@ -173,7 +173,9 @@ def load(task: Task = "action", path: Path | None = None) -> Recogniser:
         raise UnknownLabelError("recogniser", task, TASKS)
     path = path or WEIGHTS / f"evaluator-{task}.safetensors"
     if not path.is_file():
-        raise CheckpointError(f"{path}: no such weights; train them with: motionloom train evaluator --task {task}")
+        raise CheckpointError(
+            f"{path}: no such weights; train them: motionloom train evaluator --task {task} --run DIR --export FILE"
+        )
     net = RecogniserNet(RecogniserConfig.from_json(path.with_suffix(".json").read_text(encoding="utf-8")))
     try:
         net.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in load_file(path).items()})

@@ -123,10 +123,12 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
 
 
 def accuracy(recogniser: Recogniser, clips: Sequence[Clip]) -> dict[str, tuple[float, int]]:
-    """Corpus -> share of its labelled clips that are recognised, and how many there are; "all" as well."""
+    """Corpus -> share of its labelled clips that are recognised, and how many there are; "all" as well, if any."""
     task = recogniser.config.task
     known = [(clip, label_of(clip, task)) for clip in clips]
     known = [(clip, name) for clip, name in known if name in recogniser.labels]
+    if not known:
+        return {}
     said = recogniser.recognise([clip.motion for clip, _ in known])
     right: dict[str, list[bool]] = {}
     for (clip, name), answer in zip(known, said, strict=True):

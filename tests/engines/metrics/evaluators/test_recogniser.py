@@ -91,7 +91,7 @@ def test_what_a_clip_shows_for_a_task() -> None:
 def test_unknown_names_and_files(tmp_path) -> None:
     with pytest.raises(UnknownLabelError, match="style"):
         recogniser.load("styles")
-    with pytest.raises(CheckpointError, match="motionloom train evaluator"):
+    with pytest.raises(CheckpointError, match="motionloom train evaluator --task action"):
         recogniser.load("action", tmp_path / "none.safetensors")
     with pytest.raises(UnknownLabelError, match="walk"):
         Recogniser(net(("walk", "run"))).index("wlak")
