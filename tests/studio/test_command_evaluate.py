@@ -143,7 +143,7 @@ def test_missing_data_weights_and_engines_that_do_not_go_by_actions(run, world, 
     monkeypatch.setattr(recogniser, "WEIGHTS", tmp_path / "nowhere")
     code, _, err = run("action2motion", *QUICK)
     assert code == 1
-    assert "no such weights; train them with" in err
+    assert "no such weights; train them: motionloom train evaluator --task action" in err
     monkeypatch.setattr(recogniser, "load", lambda *_: small.recogniser())
     assert "motionloom data prepare" in run("action2motion", *QUICK)[2]
     assert not (tmp_path / "report").exists()
