@@ -9,29 +9,9 @@ import pytest
 import engines
 from engines import __version__
 from engines.errors import Cancelled
-from studio import cli, tasks
+from studio import tasks
 from studio.settings import GenerateSettings, Settings, read_settings, write_settings
 from tests.studio.fakes import sway
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """`run("generate", "walk") -> (code, stdout, stderr)`, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["motionloom", *arguments])
-        code: object = 0
-        try:
-            cli.main()
-        except SystemExit as stop:
-            code = stop.code
-        printed = capsys.readouterr()
-        return int(str(code or 0)), printed.out, printed.err
-
-    return call
 
 
 def test_version(run):

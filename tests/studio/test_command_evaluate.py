@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
 from collections.abc import Callable
+from functools import partial
 
 import pytest
 
@@ -13,7 +13,7 @@ import engines
 from engines import datasets
 from engines.errors import UnknownLabelError
 from engines.metrics.evaluators import recogniser
-from studio import cli, report, tasks
+from studio import report, tasks
 from tests.engines.action2motion import tiny
 from tests.engines.evaluation import small
 
@@ -21,23 +21,9 @@ QUICK = ("--repeats", "2", "--motions", "10", "--frames", "8", "--out", "report"
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path) -> Callable[..., tuple[int, str, str]]:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("MOTIONLOOM_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["motionloom", "evaluate", *arguments])
-        code: object = 0
-        try:
-            cli.main()
-        except SystemExit as stop:
-            code = stop.code
-        printed = capsys.readouterr()
-        return int(str(code or 0)), printed.out, printed.err
-
-    return call
+def run(run) -> Callable[..., tuple[int, str, str]]:
+    """`run("action2motion")` is `motionloom evaluate action2motion`."""
+    return partial(run, "evaluate")
 
 
 def _only_tables(out, bench, named, results, repeats, _facts):

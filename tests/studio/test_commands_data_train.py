@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,30 +16,8 @@ from engines.action2motion import config, train
 from engines.datasets.prepare import VERSION
 from engines.formats import bvh
 from engines.metrics.evaluators import recogniser
-from studio import cli
 from tests.engines.action2motion.tiny import movement
 from tests.studio.fakes import sway
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path) -> Callable[..., tuple[int, str, str]]:
-    """`run("data", "list") -> (code, stdout, stderr)`, in an empty folder with an empty cache."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("MOTIONLOOM_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["motionloom", *arguments])
-        code: object = 0
-        try:
-            cli.main()
-        except SystemExit as stop:
-            code = stop.code
-        printed = capsys.readouterr()
-        return int(str(code or 0)), printed.out, printed.err
-
-    return call
 
 
 @pytest.fixture

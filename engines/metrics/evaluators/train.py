@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from safetensors.torch import save_file
+from safetensors.torch import save
 from torch import Tensor, nn
 
 from engines import actions as vocabulary
@@ -16,6 +16,7 @@ from engines.datasets import Clip
 from engines.errors import MotionloomError
 from engines.geometry.mirror import mirror_words
 from engines.metrics.evaluators.recogniser import BONES, Recogniser, RecogniserConfig, RecogniserNet, Task, describe
+from engines.training.files import write_beside
 from engines.training.loop import TrainingPlan, TrainingState, train
 
 WINDOW = 100
@@ -143,10 +144,6 @@ def export(recogniser: Recogniser, path: Path, **notes: object) -> None:
         name: (value.half() if value.is_floating_point() and "running" not in name else value).contiguous()
         for name, value in recogniser.net.state_dict().items()
     }
-    temporary = path.with_suffix(".partial")
-    save_file(state, temporary)
-    temporary.replace(path)
+    write_beside(path, save(state))
     config = replace(recogniser.config, extra=dict(notes))
-    beside = path.with_suffix(".json.partial")
-    beside.write_text(config.to_json() + "\n", encoding="utf-8")
-    beside.replace(path.with_suffix(".json"))
+    write_beside(path.with_suffix(".json"), config.to_json() + "\n")
