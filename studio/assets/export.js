@@ -7,6 +7,8 @@ export function render(part) {
   let fetched = model.url  // what was there when the page was drawn is not fetched again
   watch(model, ["status", "progress", "error", "file", "url", "bytes", "ready", "label"], () => {
     const busy = model.status === "queued" || model.status === "running"
+    // properties arrive one by one: the next export's empty address may come while the last one still counts as done
+    const done = model.status === "done" && model.url !== ""
     const percent = Math.round(model.progress * 100)
     redraw(box,
       busy
@@ -16,10 +18,10 @@ export function render(part) {
             h("button", {class: "btn wide", type: "button", "data-key": "main", onclick: () => model.send_msg({do: "cancel"})}, icon("cross"), "Cancel"))
         : h("button", {class: "btn primary wide", type: "button", "data-key": "main", disabled: !model.ready, onclick: () => model.send_msg({do: "export"})}, model.label),
       h("div", {role: "status"},
-        model.status === "done" && h("a", {class: "btn wide link", "data-key": "link", href: model.url, download: model.file}, icon("download"), h("span", {class: "file"}, model.file), h("span", {class: "number"}, size(model.bytes))),
+        done && h("a", {class: "btn wide link", "data-key": "link", href: model.url, download: model.file}, icon("download"), h("span", {class: "file"}, model.file), h("span", {class: "number"}, size(model.bytes))),
         model.status === "failed" && h("p", {class: "fault", role: "alert"}, model.error),
         model.status === "cancelled" && h("p", {class: "hint"}, "Cancelled; nothing was written.")))
-    if (model.status === "done" && model.url !== fetched) {
+    if (done && model.url !== fetched) {
       fetched = model.url
       box.querySelector("a.link").click()
     }

@@ -171,6 +171,19 @@ def test_mp4_plays(tab, tmp_path):
     expect(page.locator("a.link")).to_contain_text("take-1-walk.mp4")
 
 
+def test_one_export_after_another(tab, tmp_path):
+    """Each press brings its file: not the page, which the empty address between two exports would bring."""
+    page = tab.page
+    page.get_by_role("tab", name="Export").click()
+    for kind, start in {"BVH": b"HIERARCHY", "GIF": b"GIF89a", "NPZ": b"PK"}.items():
+        page.get_by_role("radio", name=kind).click()
+        file = download(tab, lambda kind=kind: page.get_by_role("button", name=f"Export take 1 as {kind}").click())
+        path = tmp_path / file.suggested_filename
+        file.save_as(path)
+        assert path.name == f"take-1-walk.{kind.lower()}"
+        assert path.read_bytes().startswith(start)
+
+
 def test_cancel_of_an_export(tab):
     page = tab.page
     page.get_by_label("Length, seconds").fill("60")
