@@ -4,7 +4,8 @@ export function render(part) {
   const box = h("div", {class: "box"})
   mount(part, [box])
   const size = (bytes) => bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} kB` : `${(bytes / 1e6).toFixed(1)} MB`
-  let fetched = model.url  // what was there when the page was drawn is not fetched again
+  // of the page, not of this drawing: a panel drawn anew neither fetches a file again nor misses one finished meanwhile
+  const fetched = window.motionloomFetched ??= new Set()
   watch(model, ["status", "progress", "error", "file", "url", "bytes", "ready", "label"], () => {
     const busy = model.status === "queued" || model.status === "running"
     // properties arrive one by one: the next export's empty address may come while the last one still counts as done
@@ -21,8 +22,8 @@ export function render(part) {
         done && h("a", {class: "btn wide link", "data-key": "link", href: model.url, download: model.file}, icon("download"), h("span", {class: "file"}, model.file), h("span", {class: "number"}, size(model.bytes))),
         model.status === "failed" && h("p", {class: "fault", role: "alert"}, model.error),
         model.status === "cancelled" && h("p", {class: "hint"}, "Cancelled; nothing was written.")))
-    if (done && model.url !== fetched) {
-      fetched = model.url
+    if (done && !fetched.has(model.url)) {
+      fetched.add(model.url)
       box.querySelector("a.link").click()
     }
   })
