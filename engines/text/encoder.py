@@ -1,0 +1,53 @@
+"""What every text encoder gives, and which there are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple, Protocol
+
+from jaxtyping import Bool, Float
+from torch import Tensor
+
+from engines.errors import UnknownLabelError
+
+
+class EncodedText(NamedTuple):
+    """Sentences as an encoder sees them."""
+
+    sentences: Float[Tensor, "B D"]
+    """A unit vector a sentence."""
+    tokens: Float[Tensor, "B L D"]
+    """A vector a token (words or pieces of words, start and end marks included); zero past a sentence's end."""
+    mask: Bool[Tensor, "B L"]
+    """Which tokens are there."""
+
+
+class TextEncoder(Protocol):
+    """Sentences -> vectors, frozen: nothing of it is trained here."""
+
+    name: str
+    size: int
+    """D."""
+
+    def encode(self, sentences: Sequence[str]) -> EncodedText:
+        """Vectors of sentences and of their tokens."""
+        ...
+
+
+NAMES = ("minilm",)
+
+
+@lru_cache(maxsize=2)
+def load(name: str = "minilm") -> TextEncoder:
+    """A text encoder, loaded once.
+
+    Raises:
+        UnknownLabelError: no such encoder.
+        CheckpointError: the package with its weights is not installed.
+    """
+    if name not in NAMES:
+        raise UnknownLabelError("text encoder", name, NAMES)
+    from engines.text.minilm import MiniLM
+
+    return MiniLM()
