@@ -34,6 +34,10 @@ class TextEncoder(Protocol):
         """Vectors of sentences and of their tokens."""
         ...
 
+    def pieces(self, sentences: Sequence[str]) -> list[list[str]]:
+        """What the tokens of each sentence stand for, start and end marks left out."""
+        ...
+
 
 NAMES = ("minilm",)
 

@@ -62,6 +62,10 @@ class MiniLM:
         mean = tokens.sum(1) / mask.sum(1, keepdim=True).clamp_min(1)
         return EncodedText(nn.functional.normalize(mean, dim=-1), tokens, mask)
 
+    def pieces(self, sentences: Sequence[str]) -> list[list[str]]:
+        """The words and pieces of words that tokens stand for, without start and end marks."""
+        return [coded.tokens[1:-1] for coded in self._tokenizer.encode_batch(list(sentences))]
+
 
 class _Bert(nn.Module):
     """Word, place and segment vectors, then encoder layers."""

@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 
 from engines.errors import OutOfRangeError
-from engines.metrics.bertscore import EncodedSentence, SpellingEncoder, bert_score, mismatched_baseline
+from engines.metrics.bertscore import (
+    EncodedSentence,
+    LanguageEncoder,
+    SpellingEncoder,
+    bert_score,
+    mismatched_baseline,
+)
 
 VOCABULARY = ["a", "person", "walks", "jumps", "left", "right", "dog"]
 
@@ -99,3 +105,63 @@ def test_spelling_is_the_same_in_every_run() -> None:
 def test_an_encoder_that_loses_tokens_is_told() -> None:
     with pytest.raises(OutOfRangeError, match="shape of an encoder's vectors"):
         bert_score(["a"], [["a"]], lambda sentence: EncodedSentence(["a"], np.zeros((2, 3))))
+
+
+@pytest.fixture(scope="module")
+def language() -> LanguageEncoder:
+    return LanguageEncoder()
+
+
+def test_a_language_model_knows_meanings_and_sides(language: LanguageEncoder) -> None:
+    said = "A person walks forward quickly."
+
+    def f1(other: str) -> float:
+        return bert_score([other], [[said]], language, idf=False)["f1"]
+
+    assert f1(said) == pytest.approx(1, abs=1e-6)
+    assert f1("Someone strides ahead fast.") > f1("Somebody bows to the audience.") + 0.1
+    turns = [f"A person turns to the {side}." for side in ("left", "right")]
+    assert bert_score([turns[0]], [[turns[1]]], language)["f1"] < 0.99
+    # spelling does not know that the first of these is nearer
+    spelt = [bert_score([t], [[said]], SpellingEncoder(), idf=False)["f1"]
+             for t in ("Someone strides ahead fast.", "A person talks forwards quietly.")]  # fmt: skip
+    assert spelt[0] < spelt[1]
+
+
+def test_a_language_model_gives_a_vector_a_piece(language: LanguageEncoder) -> None:
+    sentences = ["Somebody cartwheels.", "", "A person walks."]
+    many = language.many(sentences)
+    assert [made.tokens for made in many] == [
+        ["somebody", "cart", "##wheel", "##s", "."],
+        [],
+        ["a", "person", "walks", "."],
+    ]
+    for sentence, made in zip(sentences, many, strict=True):
+        assert made.vectors.shape == (len(made.tokens), 384)
+        np.testing.assert_allclose(language(sentence).vectors, made.vectors, atol=1e-4)
+
+
+def test_sentences_are_encoded_once_and_together() -> None:
+    asked = []
+
+    class Counting:
+        def __call__(self, sentence: str) -> EncodedSentence:
+            return one_hot(sentence)
+
+        def many(self, sentences) -> list[EncodedSentence]:
+            asked.append(list(sentences))
+            return [one_hot(sentence) for sentence in sentences]
+
+    real = [["a person walks", "a dog"], ["a dog"]]
+    made = ["a dog", "a dog walks"]
+    assert bert_score(made, real, Counting()) == bert_score(made, real, one_hot)
+    assert asked == [["a dog", "a dog walks", "a person walks"]]
+
+
+def test_unrelated_captions_are_put_at_zero(language: LanguageEncoder) -> None:
+    sentences = ["A person walks.", "Somebody throws a ball.", "A figure bows deeply.", "Someone climbs a ladder."]
+    baseline = mismatched_baseline(sentences, language, pairs=60)
+    assert 0.2 < baseline["f1"] < 0.9
+    assert (
+        bert_score(["A person walks."], [["A person is walking."]], language, idf=False, baseline=baseline)["f1"] > 0.5
+    )
