@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import load_file
 from torch import Tensor
 
 from engines import actions as vocabulary
@@ -20,9 +19,10 @@ from engines.action2motion.output import Upsampler, to_motions
 from engines.action2motion.plan import HOUSE_FPS, Plan
 from engines.action2motion.representation import encode
 from engines.actions import Action
-from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
+from engines.weights_file import fill, read_settings
 
 WEIGHTS = Path(__file__).resolve().parent.parent / "weights"
 MAX_FRAMES = 12_000
@@ -321,18 +321,13 @@ def load(variant: str = "glmi-m", checkpoint: str | Path | None = None) -> Actio
     if variant not in DECODERS:
         raise UnknownLabelError("variant of action2motion", variant, DECODERS)
     path = Path(checkpoint) if checkpoint else _weights(variant)
-    if not path.is_file():
-        raise CheckpointError(f"{path}: no such weights; ship or train them (motionloom train action2motion)")
-    if checkpoint and not path.with_suffix(".json").is_file():
+    if checkpoint and path.is_file() and not path.with_suffix(".json").is_file():
         from engines.action2motion.official_engine import load_official_engine
 
         return load_official_engine(path)
-    config = Action2MotionConfig.from_json(path.with_suffix(".json").read_text(encoding="utf-8"))
-    model = Action2Motion(config)
-    try:
-        model.load_state_dict({name: value.float() for name, value in load_file(path).items()})
-    except Exception as error:  # safetensors and torch raise many kinds; each means the file does not fit
-        raise CheckpointError(f"{path}: these weights do not fit their settings: {error}") from error
+    how = "ship or train them (motionloom train action2motion)"
+    model = Action2Motion(Action2MotionConfig.from_json(read_settings(path, how)))
+    fill(model, path)
     return Action2MotionEngine(model, hashlib.sha256(path.read_bytes()).hexdigest())
 
 

@@ -60,6 +60,7 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     from engines.evaluation import ActionBench, Options, Results
     from engines.evaluation import evaluate as run
     from engines.metrics.evaluators import recogniser
+    from engines.weights_file import SHIPPED
 
     options = Options(data, motions, frames, seed)  # pyright: ignore[reportArgumentType] (checked next)
     options.check()
@@ -72,7 +73,7 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     clips = datasets.load()
     named = {name: _load(name) for name in dict.fromkeys(wanted)}
     bench = ActionBench(named, clips, judge, options)
-    results = Results(bench.basis(_digest(recogniser.WEIGHTS / "evaluator-action.safetensors")), judge.labels)
+    results = Results(bench.basis(_digest(SHIPPED / "evaluator-action.safetensors")), judge.labels)
     out.mkdir(parents=True, exist_ok=True)
     if not fresh:
         results.go_on_from(out / "rows.json")

@@ -1,8 +1,8 @@
 """Recognisers: which action, content or style a motion shows, and the features that FID and diversity compare.
 
-A small convolutional network over bone directions in the body's own heading: it sees neither where the body stands nor
-which way it faces nor how long its bones are. The released evaluators are GRU classifiers on joint positions (thesis
-section 3.3); theirs cannot be used here, as they know other skeletons and other actions.
+A small convolutional network over bone directions in the body's own heading (`trunk`). The released evaluators are GRU
+classifiers on joint positions (thesis section 3.3); theirs cannot be used here, as they know other skeletons and other
+actions.
 """
 
 from __future__ import annotations
@@ -15,26 +15,16 @@ from typing import Any, Literal
 
 import numpy as np
 import torch
-from safetensors.torch import load_file
 from torch import Tensor, nn
 
-from engines.action2motion.representation import encode
-from engines.errors import CheckpointError, UnknownLabelError
+from engines.errors import UnknownLabelError
+from engines.metrics.evaluators.trunk import Trunk, describe, pad
 from engines.metrics.recognition import Recognised
 from engines.motion import Motion
-from engines.skeletons import SMPL22
+from engines.weights_file import SHIPPED, fill, read_settings
 
 Task = Literal["action", "content", "style"]
 TASKS: tuple[Task, ...] = ("action", "content", "style")
-FPS = 20.0
-BONES = 3 * (len(SMPL22) - 1)
-CHANNELS = 2 * BONES + 4
-"""Bone directions, how they change from frame to frame, root height and root velocity."""
-STRIDES = (2, 1, 2, 1, 1)
-"""Of the convolutions over time: half and quarter rate."""
-LONGEST = 160
-"""Frames looked at, 8 seconds; of a longer motion the middle."""
-WEIGHTS = Path(__file__).resolve().parents[2] / "weights"
 
 
 @dataclass(frozen=True)
@@ -69,39 +59,18 @@ class RecogniserConfig:
         return cls(**{**values, "labels": tuple(values["labels"])})
 
 
-class RecogniserNet(nn.Module):
-    """Convolutions over time at half and quarter rate, pooled over the frames there are."""
-
-    mean: Tensor
-    std: Tensor
+class RecogniserNet(Trunk):
+    """The trunk, features, and a score a label."""
 
     def __init__(self, config: RecogniserConfig) -> None:
-        super().__init__()
+        super().__init__(config.width, config.dropout / 2)
         self.config = config
-        width = config.width
-        sizes = [CHANNELS, *[width] * (len(STRIDES) - 1)]
-        self.convolutions = nn.ModuleList(
-            nn.Conv1d(size, width, 5, stride=stride, padding=2) for size, stride in zip(sizes, STRIDES, strict=True)
-        )
-        self.norms = nn.ModuleList(nn.BatchNorm1d(width) for _ in STRIDES)
-        self.features = nn.Linear(2 * width, config.features)
+        self.features = nn.Linear(2 * config.width, config.features)
         self.output = nn.Linear(config.features, len(config.labels))
-        self.register_buffer("mean", torch.zeros(CHANNELS))
-        self.register_buffer("std", torch.ones(CHANNELS))
 
     def forward(self, frames: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
         """Frames (B, T, C) and which of them are there (B, T) -> logits (B, L) and features (B, F)."""
-        x = ((frames - self.mean) / self.std).mT
-        there = mask[:, None].to(x)
-        x = x * there
-        for convolution, norm, stride in zip(self.convolutions, self.norms, STRIDES, strict=True):
-            there = there[:, :, ::stride]
-            made = nn.functional.gelu(norm(convolution(x))) * there
-            x = made + x if made.shape == x.shape else made
-            x = nn.functional.dropout(x, self.config.dropout / 2, self.training)
-        mean = x.sum(-1) / there.sum(-1)
-        top = x.masked_fill(there == 0, -1e4).amax(-1)
-        features = self.features(torch.cat([mean, top], dim=-1))
+        features = self.features(self.pooled(frames, mask))
         kept = nn.functional.dropout(nn.functional.gelu(features), self.config.dropout, self.training)
         return self.output(kept), features
 
@@ -139,29 +108,6 @@ class Recogniser:
         return self.labels.index(label)
 
 
-def describe(motion: Motion) -> np.ndarray:
-    """(T, C) what the network sees of a motion, float32; brought to smpl22 and 20 fps where it is not."""
-    house = motion if motion.skeleton is SMPL22 else motion.retarget(SMPL22)
-    house = house if house.fps == FPS else house.resample(FPS)
-    if len(house) > LONGEST:
-        start = (len(house) - LONGEST) // 2
-        house = house[start : start + LONGEST]
-    found = encode(house)
-    bones = found.positions[:, 1:] - found.positions[:, list(SMPL22.parents[1:])]
-    bones = bones / np.linalg.norm(bones, axis=-1, keepdims=True)
-    flat = bones.reshape(len(bones), -1)
-    change = np.diff(flat, axis=0, prepend=flat[:1])
-    return np.concatenate([flat, change, found.height, found.velocity], axis=-1).astype(np.float32)
-
-
-def pad(rows: Sequence[np.ndarray]) -> tuple[Tensor, Tensor]:
-    """Descriptions of different lengths as one batch (B, T, C), the last frame held, and a mask (B, T)."""
-    longest = max(len(row) for row in rows)
-    frames = np.stack([row[np.minimum(np.arange(longest), len(row) - 1)] for row in rows])
-    mask = np.arange(longest) < np.array([len(row) for row in rows])[:, None]
-    return torch.from_numpy(frames), torch.from_numpy(mask)
-
-
 def load(task: Task = "action", path: Path | None = None) -> Recogniser:
     """A recogniser with the weights that ship, or with others.
 
@@ -171,14 +117,8 @@ def load(task: Task = "action", path: Path | None = None) -> Recogniser:
     """
     if task not in TASKS:
         raise UnknownLabelError("recogniser", task, TASKS)
-    path = path or WEIGHTS / f"evaluator-{task}.safetensors"
-    if not path.is_file():
-        raise CheckpointError(
-            f"{path}: no such weights; train them: motionloom train evaluator --task {task} --run DIR --export FILE"
-        )
-    net = RecogniserNet(RecogniserConfig.from_json(path.with_suffix(".json").read_text(encoding="utf-8")))
-    try:
-        net.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in load_file(path).items()})
-    except Exception as error:  # safetensors and torch raise many kinds; each means the file does not fit
-        raise CheckpointError(f"{path}: these weights do not fit their settings: {error}") from error
+    path = path or SHIPPED / f"evaluator-{task}.safetensors"
+    how = f"train them: motionloom train evaluator --task {task} --run DIR --export FILE"
+    net = RecogniserNet(RecogniserConfig.from_json(read_settings(path, how)))
+    fill(net, path)
     return Recogniser(net)

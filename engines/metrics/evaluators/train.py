@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from safetensors.torch import save
 from torch import Tensor, nn
 
 from engines import actions as vocabulary
+from engines import weights_file
 from engines.datasets import Clip
 from engines.errors import MotionloomError
 from engines.geometry.mirror import mirror_words
-from engines.metrics.evaluators.recogniser import BONES, Recogniser, RecogniserConfig, RecogniserNet, Task, describe
-from engines.training.files import write_beside
+from engines.metrics.evaluators.recogniser import Recogniser, RecogniserConfig, RecogniserNet, Task
+from engines.metrics.evaluators.trunk import BONES, describe
 from engines.training.loop import TrainingPlan, TrainingState, train
 
 WINDOW = 100
@@ -97,9 +97,7 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
     config = replace(config, labels=windows.labels)
     torch.manual_seed(seed)
     net = RecogniserNet(config)
-    frames = np.concatenate(windows.rows)
-    net.mean.copy_(torch.from_numpy(frames.mean(0)))
-    net.std.copy_(torch.from_numpy(np.maximum(frames.std(0), 0.05)))
+    net.scale_to(windows.rows)
     plan = TrainingPlan(
         steps=config.steps,
         learning_rate=config.learning_rate,
@@ -140,10 +138,5 @@ def accuracy(recogniser: Recogniser, clips: Sequence[Clip]) -> dict[str, tuple[f
 
 def export(recogniser: Recogniser, path: Path, **notes: object) -> None:
     """Weights (float16; running statistics float32) and settings beside each other."""
-    state = {
-        name: (value.half() if value.is_floating_point() and "running" not in name else value).contiguous()
-        for name, value in recogniser.net.state_dict().items()
-    }
-    write_beside(path, save(state))
-    config = replace(recogniser.config, extra=dict(notes))
-    write_beside(path.with_suffix(".json"), config.to_json() + "\n")
+    settings = replace(recogniser.config, extra=dict(notes)).to_json()
+    weights_file.write(recogniser.net.state_dict(), settings, path)

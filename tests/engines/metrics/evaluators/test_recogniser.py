@@ -11,7 +11,7 @@ import torch
 from engines import datasets
 from engines.datasets import Clip
 from engines.errors import Cancelled, CheckpointError, MotionloomError, UnknownLabelError
-from engines.metrics.evaluators import recogniser, train
+from engines.metrics.evaluators import recogniser, train, trunk
 from engines.metrics.evaluators.recogniser import Recogniser, RecogniserConfig, RecogniserNet
 from tests.engines.action2motion.tiny import movement
 
@@ -36,21 +36,21 @@ def net(labels: tuple[str, ...] = ("a", "b", "c")) -> RecogniserNet:
 
 def test_neither_place_nor_heading_nor_rate_nor_bone_lengths_count() -> None:
     motion = movement(40)
-    seen = recogniser.describe(motion)
-    assert seen.shape == (40, recogniser.CHANNELS)
-    moved = recogniser.describe(motion.moved((3.0, 0.0, -2.0), yaw=1.3))
+    seen = trunk.describe(motion)
+    assert seen.shape == (40, trunk.CHANNELS)
+    moved = trunk.describe(motion.moved((3.0, 0.0, -2.0), yaw=1.3))
     np.testing.assert_allclose(moved, seen, atol=1e-4)
-    scaled = recogniser.describe(motion.scale_bones({"left_knee": 1.3}))
+    scaled = trunk.describe(motion.scale_bones({"left_knee": 1.3}))
     np.testing.assert_allclose(scaled[:, :-4], seen[:, :-4], atol=1e-4)
-    assert len(recogniser.describe(motion.resample(60.0))) == pytest.approx(40, abs=1)
+    assert len(trunk.describe(motion.resample(60.0))) == pytest.approx(40, abs=1)
 
 
 def test_padding_changes_nothing() -> None:
     made = net()
-    rows = [recogniser.describe(movement(length)) for length in (23, 60, 41)]
-    together = made(*recogniser.pad(rows))
+    rows = [trunk.describe(movement(length)) for length in (23, 60, 41)]
+    together = made(*trunk.pad(rows))
     for i, row in enumerate(rows):
-        alone = made(*recogniser.pad([row]))
+        alone = made(*trunk.pad([row]))
         torch.testing.assert_close(together[0][i : i + 1], alone[0], atol=1e-4, rtol=1e-4)
         torch.testing.assert_close(together[1][i : i + 1], alone[1], atol=1e-4, rtol=1e-4)
 

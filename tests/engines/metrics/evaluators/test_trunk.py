@@ -1,0 +1,53 @@
+"""Motions in a row are seen as they are alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+
+from engines.metrics.evaluators import trunk
+from tests.engines.action2motion.tiny import movement
+
+
+def made() -> trunk.Trunk:
+    torch.manual_seed(0)
+    net = trunk.Trunk(16, 0.1)
+    net.scale_to([trunk.describe(movement(50, seed=9))])
+    for norm in net.norms:  # a fresh one leaves zeros zero, which would hide what crosses a gap
+        torch.nn.init.normal_(norm.bias)
+        torch.nn.init.normal_(norm.running_mean)
+    return net.eval()
+
+
+def test_one_behind_the_other_or_alone_is_the_same() -> None:
+    net = made()
+    rows = [trunk.describe(movement(length, seed=length)) for length in (17, 18, 19, 40, 61)]
+    together = net.pooled_in_row(trunk.in_row(rows))
+    torch.testing.assert_close(together, net.pooled(*trunk.pad(rows)), atol=1e-5, rtol=1e-5)
+    for i, row in enumerate(rows):
+        torch.testing.assert_close(together[i], net.pooled_in_row(trunk.in_row([row]))[0], atol=1e-5, rtol=1e-5)
+
+
+def test_a_row_says_whose_frames_are_where() -> None:
+    rows = [np.full((length, trunk.CHANNELS), float(length), dtype=np.float32) for length in (5, 8)]
+    found = trunk.in_row(rows)
+    assert found.count == 2
+    for i, length in enumerate((5, 8)):
+        assert (found.owner == i).sum() == length
+        assert (found.frames[found.owner == i] == length).all()
+    assert (found.frames[found.owner < 0] == 0).all()
+
+
+def test_the_same_movement_faster_moves_faster() -> None:
+    row = trunk.describe(movement(60, turning=0.2))
+    faster = trunk.sampled(row, np.arange(0.0, 59, 1.25), 1.25)
+    assert len(faster) == 48
+    same = trunk.sampled(row, np.arange(60.0), 1.0)
+    np.testing.assert_allclose(same, row, atol=1e-6)
+    np.testing.assert_allclose(faster[8, :-3], trunk.sampled(row, np.array([10.0]), 1.25)[0, :-3])
+    np.testing.assert_allclose(faster[8, -3:], 1.25 * row[10, -3:], rtol=1e-5)
+
+
+def test_of_a_long_motion_the_middle_is_seen() -> None:
+    motion = movement(70)
+    np.testing.assert_allclose(trunk.describe(motion, 30)[1:], trunk.describe(motion)[21:50], atol=1e-6)
