@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from engines.errors import UnknownLabelError
+
+
+WEIGHTS = Path(__file__).resolve().parent / "weights"
 
 
 def _action2motion(**options: Any) -> Any:
@@ -14,14 +18,21 @@ def _action2motion(**options: Any) -> Any:
     return engine.load(**options)
 
 
+def _loom(**options: Any) -> Any:
+    from engines.loom import engine
+
+    return engine.load(**options)
+
+
 _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
     "action2motion": ("an action's name becomes a motion (temporal VAE, Guo et al. 2020)", _action2motion),
+    "loom": ("actions, styles, sentences, poses and paths become a motion (flow matching, our own)", _loom),
 }
 
 
 def available() -> dict[str, str]:
-    """Names of the engines and a line about each."""
-    return {name: line for name, (line, _) in _ENGINES.items()}
+    """Names of the engines whose weights are there, and a line about each."""
+    return {name: line for name, (line, _) in _ENGINES.items() if any(WEIGHTS.glob(f"{name}*.safetensors"))}
 
 
 def load(name: str, **options: Any) -> Any:

@@ -24,6 +24,14 @@ _CONTENTS = {
     "wave-both-hands": "wave both hands", "wave-left-hand": "wave left hand", "wave-right-hand": "wave right hand",
 }  # fmt: skip
 _STYLES = {"masculinity": "masculine", "old": "elderly", "not-confident": "unconfident"}
+_TURNS_THE_OTHER_WAY = {
+    "dataset-2_walk-turn-left_masculine_007": "turn right",
+    "dataset-2_walk-turn-right_masculine_007": "turn left",
+    "dataset-2_walk-turn-right_normal_004": "turn left",
+    "dataset-2_walk-turn-right_normal_032": "turn left",
+    "dataset-2_walk-turn-right_normal_033": "turn left",
+}
+"""Files whose names say the wrong side: measured, they turn by 50 to 99 degrees to the other."""
 _FILE = re.compile(r"dataset-([12])_([a-z-]+)_([a-z-]+)_(\d+)\.bvh")
 _REFERENCE = "dataset-2_walk_normal_001.bvh"
 
@@ -43,9 +51,8 @@ class BandaiNamco:
             match = _FILE.fullmatch(path.name)
             if match:
                 _, content, style, _ = match.groups()
-                yield ClipInfo(
-                    self.name, path.stem, path, _CONTENTS.get(content), _STYLES.get(style, style), text=content
-                )
+                action = _TURNS_THE_OTHER_WAY.get(path.stem, _CONTENTS.get(content))
+                yield ClipInfo(self.name, path.stem, path, action, _STYLES.get(style, style), text=content)
 
     def read(self, clip: ClipInfo) -> Motion:
         """A clip on `smpl22`; the bones of these files point along x, so a standing frame is the reference pose."""

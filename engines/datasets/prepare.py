@@ -42,7 +42,7 @@ _ALL: tuple[Corpus, ...] = (
     XiaStyles(),
 )  # fmt: skip
 CORPORA: dict[str, Corpus] = {corpus.name: corpus for corpus in _ALL}
-VERSION = 3
+VERSION = 4
 """Raised whenever prepared clips change, so that an old cache is made anew."""
 SPLIT_SEED = 22
 _TEST_SHARE, _VAL_SHARE = 0.10, 0.05

@@ -61,6 +61,30 @@ def place(bones: Float[Tensor, "3 J N"], parents: tuple[int, ...]) -> Float[Tens
     return torch.from_numpy(_paths(parents)).to(bones) @ bones
 
 
+def from_rot6d(columns: Float[Tensor, " 6 *many"]) -> Float[Tensor, "3 3 *many"]:
+    """Two columns (6, ...), not necessarily orthonormal -> rotations (3, 3, ...), by Gram-Schmidt (Zhou et al. 2019)."""
+    x, y, z = columns[:3]
+    inverse = (x * x + y * y + z * z).clamp(min=1e-8).rsqrt()
+    x, y, z = x * inverse, y * inverse, z * inverse
+    u, v, w = columns[3:]
+    along = x * u + y * v + z * w
+    u, v, w = u - along * x, v - along * y, w - along * z
+    inverse = (u * u + v * v + w * w).clamp(min=1e-8).rsqrt()
+    u, v, w = u * inverse, v * inverse, w * inverse
+    planes = [x, u, y * w - z * v, y, v, z * u - x * w, z, w, x * v - y * u]
+    return torch.stack(planes).unflatten(0, (3, 3))  # (9, ...) -> (3, 3, ...)
+
+
+def joints(
+    local: Float[Tensor, "3 3 J N"], offsets: Float[Tensor, "J 3"], parents: tuple[int, ...]
+) -> Float[Tensor, "3 J N"]:
+    """Where the joints are, (3, J, N), for parent-relative rotations and rest offsets; the root at its own offset."""
+    above = world(local, parents)[:, :, list(parents[1:])]
+    rest = offsets.to(local).t()[:, :, None]  # (J, 3) -> (3, J, 1)
+    bones = torch.cat([rest[:, :1].expand(-1, -1, local.shape[-1]), turn(above, rest[:, 1:])], dim=1)
+    return place(bones, parents)
+
+
 def forward_kinematics(
     rotvec: Float[Tensor, "*batch J 3"], offsets: Float[Tensor, "J 3"], parents: tuple[int, ...]
 ) -> tuple[Float[Tensor, "*batch J 3"], Float[Tensor, "*batch J 3 3"]]:
@@ -76,10 +100,7 @@ def forward_kinematics(
     """
     shape = rotvec.shape[:-2]
     local = exp(rotvec.reshape(-1, *rotvec.shape[-2:]).permute(2, 1, 0).contiguous())  # (N, J, 3) -> (3, 3, J, N)
-    above = world(local, parents)[:, :, list(parents[1:])]
-    rest = offsets.to(local).t()[:, :, None]  # (J, 3) -> (3, J, 1)
-    bones = torch.cat([rest[:, :1].expand(-1, -1, local.shape[-1]), turn(above, rest[:, 1:])], dim=1)
-    positions = place(bones, parents).permute(2, 1, 0).reshape(*shape, -1, 3)  # (3, J, N) -> (..., J, 3)
+    positions = joints(local, offsets, parents).permute(2, 1, 0).reshape(*shape, -1, 3)  # (3, J, N) -> (..., J, 3)
     return positions, local.permute(3, 2, 0, 1).reshape(*shape, -1, 3, 3)
 
 
