@@ -10,7 +10,7 @@ from functools import partial
 import pytest
 
 import engines
-from engines import datasets
+from engines import datasets, weights_file
 from engines.errors import UnknownLabelError
 from engines.metrics.evaluators import recogniser
 from studio import report, tasks
@@ -48,7 +48,7 @@ def world(monkeypatch, tmp_path):
     monkeypatch.setattr(datasets, "load", lambda *_: small.clips())
     monkeypatch.setattr(recogniser, "load", lambda *_: small.recogniser())
     (tmp_path / "evaluator-action.safetensors").write_bytes(b"weights")
-    monkeypatch.setattr(recogniser, "WEIGHTS", tmp_path)
+    monkeypatch.setattr(weights_file, "SHIPPED", tmp_path)
     monkeypatch.setattr(report, "write_report", _only_tables)
     return known
 
@@ -126,7 +126,7 @@ def test_missing_data_weights_and_engines_that_do_not_go_by_actions(run, world, 
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MOTIONLOOM_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(recogniser, "WEIGHTS", tmp_path / "nowhere")
+    monkeypatch.setattr(recogniser, "SHIPPED", tmp_path / "nowhere")
     code, _, err = run("action2motion", *QUICK)
     assert code == 1
     assert "no such weights; train them: motionloom train evaluator --task action" in err

@@ -15,7 +15,7 @@ from engines import datasets
 from engines.action2motion import config, train
 from engines.datasets.prepare import VERSION
 from engines.formats import bvh
-from engines.metrics.evaluators import recogniser
+from engines.metrics.evaluators import co_embedding, recogniser
 from tests.engines.action2motion.tiny import movement
 from tests.studio.fakes import sway
 
@@ -243,3 +243,14 @@ def test_a_recogniser_is_trained_and_exported(run, clips, tmp_path):
     code, _, err = run("train", "evaluator", "--task", "actoin", "--run", "r")
     assert code != 0
     assert "did you mean 'action'" in err
+
+
+def test_a_space_of_motions_and_sentences_is_trained_and_exported(run, clips, tmp_path):
+    line = ("train", "evaluator", "--task", "text", "--run", "r", "--steps", "2", "--export", "mine.safetensors")
+    code, out, err = run(*line)
+    assert code == 0, err
+    assert "test: 4 clips, too few to measure on (32 needed)" in out
+    found = co_embedding.load(tmp_path / "mine.safetensors")
+    assert found.config.extra == {"step": 2, "prepared_data": VERSION}
+    assert (tmp_path / "r" / "checkpoint.pt").is_file()
+    assert list(datasets.cache_folder().glob("captions-minilm-*.npz"))
