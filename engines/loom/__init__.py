@@ -1,0 +1,1 @@
+"""Loom, our own engine: flow matching over whole motions, told by action, style, words and by what is already known."""

@@ -1,0 +1,148 @@
+"""Train Loom on prepared clips, and write the weights that ship."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors.torch import save
+from torch import Tensor
+
+from engines import datasets
+from engines.datasets.captions import encoded
+from engines.loom import data
+from engines.loom.config import LoomConfig
+from engines.loom.losses import losses
+from engines.loom.model import Loom
+from engines.training.devices import launch, share_of
+from engines.training.files import write_beside
+from engines.training.loop import TrainingPlan, TrainingState
+from engines.training.run import RunOptions, run
+
+_IDENTITY = ("actions", "styles", "text_encoder", "patch")
+
+
+def start(
+    config: LoomConfig,
+    clips: Sequence[datasets.Clip],
+    seed: int = 0,
+    plan: Mapping[str, Any] | None = None,
+    captions: data.Captions | None = None,
+) -> tuple[TrainingState, data.Windows]:
+    """A new training: vocabulary and statistics from the clips, weights from the seed."""
+    actions, styles, usual = data.vocabulary_of(clips)
+    config = config.checked().replaced(actions=actions, styles=styles, usual_frames=usual)
+    windows = data.Windows(clips, config, captions)
+    torch.manual_seed(seed)
+    model = Loom(config)
+    mean, std = windows.statistics()
+    model.mean.copy_(mean)
+    model.std.copy_(std)
+    told = TrainingPlan(
+        steps=config.steps,
+        learning_rate=config.learning_rate,
+        final_learning_rate=config.final_learning_rate,
+        weight_decay=config.weight_decay,
+        optimiser="adamw",
+        average=config.average,
+        seed=seed,
+    )
+    identity = {"engine": "loom", **{name: getattr(config, name) for name in _IDENTITY}}
+    return TrainingState(model, replace(told, **(plan or {})), identity=identity), windows
+
+
+def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
+    config: LoomConfig,
+    folder: Path,
+    clips: Sequence[datasets.Clip] | None = None,
+    *,
+    validation: Sequence[datasets.Clip] | None = None,
+    captions: data.Captions | None = None,
+    seed: int = 0,
+    corpora: Sequence[str] | None = None,
+    plan: Mapping[str, Any] | None = None,
+    device: str = "auto",
+    resume: bool | None = None,
+    progress: Callable[[TrainingState], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+    tick: Callable[[TrainingState], None] | None = None,
+) -> TrainingState:
+    """Train, or go on training where `folder` holds a checkpoint; arguments as `engines.action2motion.train.fit`.
+
+    Args:
+        config: a preset.
+        folder: gets the checkpoint, the settings and the logs.
+        clips: the training split of the prepared data by default.
+        validation: clips held back; the validation split of the prepared data if `clips` are not given either.
+        captions: gives sentence vectors of clips; without, nothing is told in words.
+        seed: of the first weights and of everything drawn.
+        corpora: of the prepared data, all by default.
+        plan: fields of `TrainingPlan` other than those the config gives.
+        device: auto, cpu or cuda.
+        resume: as in `RunOptions`.
+        progress: called each time a line is logged.
+        cancel: asked each step.
+        tick: called each step.
+    """
+    if clips is None:
+        clips, held_back = datasets.load("train", corpora), datasets.load("val", corpora)
+    else:
+        held_back = list(validation or [])
+    state, windows = start(config, clips, seed, plan, captions)
+    config = model_of(state).config
+    fabric = launch(device, state.plan.precision)
+    share_of(fabric).check(config.batch_size)
+
+    def draw(now: TrainingState) -> dict[str, Tensor]:
+        model = model_of(now)
+        batch = windows.draw(now.rng, model.mean.cpu(), model.std.cpu(), share=now.share)
+        return losses(model, batch, now.generator, now.share)
+
+    return run(
+        state,
+        draw,
+        folder,
+        config.to_json(),
+        validate=_validation(data.Windows(held_back, config, captions)) if held_back else None,
+        facts={"corpora": corpora and list(corpora), "clips": len(clips), "clips_held_back": len(held_back)},
+        fabric=fabric,
+        options=RunOptions(resume, progress, tick, cancel),
+    )
+
+
+def told_in_words(clips: Sequence[datasets.Clip], count: int = 16) -> np.ndarray:
+    """(N, count, 384) float16: sentence vectors of captions of each clip, from the cache of encoded captions."""
+    told = encoded.load()
+    return np.stack([told.vectors[np.resize(told.of(clip), count)] for clip in clips])
+
+
+def _validation(held_back: data.Windows) -> Callable[[TrainingState], Iterator[dict[str, Tensor]]]:
+    def validate(now: TrainingState) -> Iterator[dict[str, Tensor]]:
+        generator = torch.Generator().manual_seed(now.plan.seed)
+        model = model_of(now)
+        for batch in held_back.each(model.mean.cpu(), model.std.cpu(), now.share):
+            yield losses(model, batch, generator, now.share)
+
+    return validate
+
+
+def export(state: TrainingState, path: Path, which: str | None = None) -> str:
+    """Write the weights (float16) and their config beside each other; returns the weights' SHA-256."""
+    weights = state.weights(which)
+    step = state.best_step if weights is state.best else state.step
+    content = save({name: value.cpu().half().contiguous() for name, value in weights.items()})
+    write_beside(path, content)
+    config = model_of(state).config.replaced(extra={"step": step, "seconds": round(state.seconds)})
+    write_beside(path.with_suffix(".json"), config.to_json() + "\n")
+    return hashlib.sha256(content).hexdigest()
+
+
+def model_of(state: TrainingState) -> Loom:
+    """The model that is trained."""
+    assert isinstance(state.model, Loom)
+    return state.model
