@@ -80,7 +80,7 @@ class Windows:
         for name in ("ground", "facing", "contacts"):
             std[LAYOUT[name]] = std[LAYOUT[name]].mean()
         mean[LAYOUT["ground"]] = 0.0
-        return mean, std
+        return mean, std.clamp_min(1e-3)
 
     def draw(
         self, rng: np.random.Generator, mean: Tensor, std: Tensor, size: int | None = None, share: Share = ALONE
