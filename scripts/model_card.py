@@ -41,14 +41,15 @@ def sheet(engine: Action2MotionEngine, path: Path, seed: int = 1, frames: int = 
         for i, name in enumerate(names):
             x, y = (i // rows) * POSES * WIDE, (i % rows) * HIGH
             motion = engine.generate(name, frames=frames, seed=seed)
-            for k, pose in enumerate(_strip(renderer, motion)):
+            for k, pose in enumerate(poses(renderer, motion)):
                 picture.paste(Image.fromarray(pose), (x + k * WIDE, y))
             pen.text((x + 4, y + 3), name, fill="white")
     path.parent.mkdir(parents=True, exist_ok=True)
     picture.save(path, quality=70)
 
 
-def _strip(renderer: Renderer, motion: Motion) -> list[np.ndarray]:
+def poses(renderer: Renderer, motion: Motion) -> list[np.ndarray]:
+    """A motion as `POSES` pictures, seen from a little above and to the side."""
     still = motion.in_place()
     camera = Camera(yaw=0.6, pitch=0.12, distance=4.6, target=(0.0, 0.95, 0.0), fov=0.5)
     times = np.linspace(0, (len(motion) - 1) / motion.fps, POSES)
