@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-import json
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from engines.errors import CheckpointError, OutOfRangeError, UnknownLabelError
-from studio.commands.console import parse_formats
-
-if TYPE_CHECKING:
-    from engines.action2motion.config import Action2MotionConfig
-    from engines.training.state import TrainingState
+from engines.errors import OutOfRangeError, UnknownLabelError
+from studio.commands.training import (
+    DataOption,
+    DeviceOption,
+    ExportOption,
+    ResumeOption,
+    RunOption,
+    SeedOption,
+    SetOption,
+    StepsOption,
+    ThreadsOption,
+    WhichOption,
+    bar,
+    check,
+    check_options,
+    corpora,
+    first,
+    remembered,
+    settings,
+    stoppable,
+    tell,
+    use_threads,
+)  # fmt: skip
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -27,48 +40,79 @@ app = typer.Typer(
 motionloom train action2motion --run runs/glmi-m --export my.safetensors""",
 )
 
-_OF_THE_SETTINGS = ("steps", "learning_rate", "final_learning_rate", "weight_decay", "seed")
-"""Fields of the plan that the engine's settings, or an option, give."""
+
+@app.command("loom")
+def loom(  # noqa: PLR0913, PLR0917 (one parameter an option)
+    run: RunOption,
+    preset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="small (what ships, default) or large (for GPUs).")
+    ] = None,
+    data: DataOption = None,
+    words: Annotated[bool, typer.Option(help="Learn from captions as well.")] = True,
+    steps: StepsOption = None,
+    changes: SetOption = None,
+    export: ExportOption = None,
+    which: WhichOption = None,
+    resume: ResumeOption = None,
+    device: DeviceOption = "auto",
+    threads: ThreadsOption = None,
+    seed: SeedOption = 0,
+) -> None:
+    """Train Loom, our own engine, or go on with a training that was stopped.
+
+    [bold]Examples[/bold]
+
+    motionloom train loom --run runs/loom --export loom.safetensors
+
+    torchrun --nproc-per-node 2 -m -- studio.cli train loom --run runs/loom --threads 1
+
+    Use the weights with engines.load("loom", checkpoint="loom.safetensors").
+    """
+    check_options(steps, threads, export, which)
+    before = {} if resume is False else remembered(run)
+    corpora_asked = before.get("corpora") if data is None else corpora(data)
+    use_threads(threads)
+    from engines.loom import config, train
+
+    chosen, plan = settings(run, before, preset, changes or [], config)
+    chosen = chosen if steps is None else chosen.replaced(steps=steps)
+    with stoppable() as stopped, bar() as tick:
+        state = train.fit(
+            chosen,
+            run,
+            captions=train.told_in_words if words else None,
+            seed=seed,
+            corpora=corpora_asked,
+            plan=plan,
+            device=device,
+            resume=resume,
+            cancel=stopped,
+            tick=tick,
+        )
+    if first():
+        tell(state, run, export, which, train.export)
 
 
 @app.command("action2motion")
 def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
-    run: Annotated[Path, typer.Option("--run", metavar="DIR", help="Folder of checkpoint and logs; goes on there.")],
+    run: RunOption,
     decoder: Annotated[str | None, typer.Option(metavar="NAME", help="plain, lie, glmi-m (default) or glmi-r.")] = None,
     preset: Annotated[
         str | None, typer.Option(metavar="NAME", help="small (what ships, default) or paper (the thesis).")
     ] = None,
-    data: Annotated[
-        str | None, typer.Option("--data", metavar="LIST", help="Corpora, comma between; all if none.")
-    ] = None,
+    data: DataOption = None,
     trunk: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Take all but the velocity unit from these weights, and train only that."),
     ] = None,
-    steps: Annotated[
-        int | None, typer.Option(metavar="N", help="Optimiser steps in all; the preset's if none.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="KEY=VALUE", help="Any other setting, of the engine or the training; repeatable."
-        ),
-    ] = None,
-    export: Annotated[
-        Path | None, typer.Option("--export", metavar="FILE", help="Write the weights here (.safetensors) at the end.")
-    ] = None,
-    which: Annotated[
-        str | None, typer.Option("--weights", metavar="NAME", help="To export: last, or best by validation.")
-    ] = None,
-    resume: Annotated[
-        bool | None,
-        typer.Option(
-            "--resume/--fresh", help="Demand a checkpoint, or begin anew; goes on if there is one if neither."
-        ),
-    ] = None,
-    device: Annotated[str, typer.Option(metavar="NAME", help="auto, cpu or cuda.")] = "auto",
-    threads: Annotated[int | None, typer.Option(metavar="N", help="Processor threads; as torch likes if none.")] = None,
-    seed: Annotated[int, typer.Option(metavar="N", help="Of first weights and everything drawn.")] = 0,
+    steps: StepsOption = None,
+    changes: SetOption = None,
+    export: ExportOption = None,
+    which: WhichOption = None,
+    resume: ResumeOption = None,
+    device: DeviceOption = "auto",
+    threads: ThreadsOption = None,
+    seed: SeedOption = 0,
 ) -> None:
     """Train Action2Motion, or go on with a training that was stopped.
 
@@ -88,36 +132,32 @@ def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
     not been stopped, also after a crash (from the last checkpoint), and remembers settings that are not given again.
     Use the weights with engines.load("action2motion", checkpoint="my.safetensors").
     """
-    _check("--steps", steps)
-    _check("--threads", threads)
-    if export is not None and export.suffix != ".safetensors":
-        raise OutOfRangeError("--export", str(export), "a file ending in .safetensors")
-    if which not in {None, "best", "last"}:
-        raise UnknownLabelError("weights", which, ("best", "last"))
-    before = {} if resume is False else _remembered(run)
-    corpora = before.get("corpora") if data is None else _corpora(data)
-    settings, plan = _settings(run, before, preset, changes or [])
-    named = {"decoder": decoder, "steps": steps}
-    settings = settings.replaced(**{name: value for name, value in named.items() if value is not None})
-    _check_decoder(settings.decoder)
-    _use_threads(threads)
-    from engines.action2motion import train
+    check_options(steps, threads, export, which)
+    before = {} if resume is False else remembered(run)
+    corpora_asked = before.get("corpora") if data is None else corpora(data)
+    use_threads(threads)
+    from engines.action2motion import config, train
 
-    with _stoppable() as stopped, _bar() as tick:
+    chosen, plan = settings(run, before, preset, changes or [], config)
+    named = {"decoder": decoder, "steps": steps}
+    chosen = chosen.replaced(**{name: value for name, value in named.items() if value is not None})
+    if chosen.decoder not in config.DECODERS:
+        raise UnknownLabelError("decoder", chosen.decoder, config.DECODERS)
+    with stoppable() as stopped, bar() as tick:
         state = train.fit(
-            settings,
+            chosen,
             run,
             seed=seed,
             cancel=stopped,
-            corpora=corpora,
+            corpora=corpora_asked,
             plan=plan,
             trunk=trunk,
             device=device,
             resume=resume,
             tick=tick,
         )
-    if _first():
-        _tell(state, run, export, which)
+    if first():
+        tell(state, run, export, which, train.export)
 
 
 @app.command("evaluator")
@@ -144,156 +184,15 @@ def evaluator(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom train evaluator --task text --run runs/text --export evaluator-text.safetensors
     """
-    _check("--steps", steps)
-    _check("--threads", threads)
+    check("--steps", steps)
+    check("--threads", threads)
     if export is not None and export.suffix != ".safetensors":
         raise OutOfRangeError("--export", str(export), "a file ending in .safetensors")
     from studio.commands import train_evaluator
 
     if task not in train_evaluator.TASKS:
         raise UnknownLabelError("evaluator", task, train_evaluator.TASKS)
-    _use_threads(threads)
+    use_threads(threads)
     run.mkdir(parents=True, exist_ok=True)
-    with _stoppable() as stopped:
+    with stoppable() as stopped:
         train_evaluator.train(task, train_evaluator.Wanted(run / "checkpoint.pt", export, steps, seed, stopped))
-
-
-def _tell(state: TrainingState, run: Path, export: Path | None, which: str | None) -> None:
-    """What was reached, and the weights if they are wanted."""
-    from engines.action2motion import train
-
-    early = ", stopped early" if state.step < state.plan.steps else ""
-    typer.echo(f"{run}: {state.step:,} steps, {state.seconds / 60:.1f} minutes{early}")
-    if export is not None:
-        export.parent.mkdir(parents=True, exist_ok=True)
-        digest = train.export(state, export, which)
-        typer.echo(f"{export}\nsha256 {digest}")
-
-
-def _settings(
-    run: Path, before: dict[str, Any], preset: str | None, changes: list[str]
-) -> tuple[Action2MotionConfig, dict[str, Any]]:
-    """The engine's settings and the plan's fields: the run's own or a preset's, with changes on top."""
-    from engines.action2motion.config import Action2MotionConfig
-    from engines.action2motion.config import preset as settings_of
-    from engines.training.overrides import overrides
-    from engines.training.plan import TrainingPlan
-
-    if before and preset is None:
-        settings = _read(run / "config.json", Action2MotionConfig.from_json)
-        known = {**before.get("plan", {})}
-    else:
-        settings, known = settings_of(preset or "small"), {}
-    of_engine, of_plan = overrides(changes, Action2MotionConfig, TrainingPlan)
-    seed = of_plan.pop("seed", None)
-    if seed is not None:
-        raise OutOfRangeError("--set seed", seed, f"the option --seed {seed}")
-    fields = TrainingPlan.__dataclass_fields__
-    plan = {name: value for name, value in known.items() if name in fields and name not in _OF_THE_SETTINGS}
-    return settings.replaced(**of_engine), {**plan, **of_plan}
-
-
-def _remembered(run: Path) -> dict[str, Any]:
-    """What is written down of a run that can be gone on with; nothing if there is none."""
-    if not (run / "checkpoint.pt").exists() or not (run / "training.json").exists():
-        return {}
-    return _read(run / "training.json", json.loads)
-
-
-def _read(path: Path, parse: Callable[[str], Any]) -> Any:
-    try:
-        return parse(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, TypeError) as error:
-        raise CheckpointError(f"{path}: cannot be read: {error}; --fresh begins anew.") from error
-
-
-def _corpora(text: str) -> list[str]:
-    from engines.datasets import CORPORA
-
-    names = parse_formats(text) or ()
-    for name in names:
-        if name not in CORPORA:
-            raise UnknownLabelError("corpus", name, CORPORA)
-    if not names:
-        raise OutOfRangeError("--data", text, "names of corpora with commas between: " + ", ".join(CORPORA))
-    return list(names)
-
-
-def _check_decoder(decoder: str) -> None:
-    from engines.action2motion.config import DECODERS
-
-    if decoder not in DECODERS:
-        raise UnknownLabelError("decoder", decoder, DECODERS)
-
-
-@contextmanager
-def _bar() -> Iterator[Callable[[TrainingState], None]]:
-    """A progress bar with the time to go and the losses, on a terminal and in the first process only."""
-    from tqdm import tqdm
-
-    from engines.training.report import total_of
-
-    bar: tqdm | None = None
-
-    def tick(state: TrainingState) -> None:
-        nonlocal bar
-        if bar is None:  # what was done before a resume took none of this run's time
-            bar = tqdm(
-                desc="train", unit="step", total=state.plan.steps, initial=state.step - 1, disable=None, leave=False
-            )
-        if state.step % state.plan.log_every == 0:
-            shown = {"loss": total_of(state.history[-1])}
-            if state.validation:
-                shown["held back"] = state.validation[-1]["total"]
-            bar.set_postfix({name: f"{value:.3f}" for name, value in shown.items()}, refresh=False)
-        bar.update(state.step - bar.n)
-
-    try:
-        yield tick if _first() else lambda _state: None
-    finally:
-        if bar is not None:
-            bar.close()
-
-
-@contextmanager
-def _stoppable() -> Iterator[Callable[[], bool]]:
-    """Ctrl+C, or a polite kill, asks for a stop after the step at hand, which saves; a second Ctrl+C stops at once.
-
-    Among many processes there is no second one: their launcher passes on what the terminal has told them already.
-    Yields a function that says whether it was asked for.
-    """
-    from engines.training.devices import processes
-
-    asked = False
-
-    def ask(number: int, _frame: object) -> None:
-        nonlocal asked
-        asked = True
-        if processes()[1] == 1:
-            signal.signal(number, before[signal.Signals(number)])
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _first() -> bool:
-    """Whether this is the process that speaks."""
-    from engines.training.devices import processes
-
-    return processes()[0] == 0
-
-
-def _use_threads(threads: int | None) -> None:
-    if threads is not None:
-        import torch
-
-        torch.set_num_threads(threads)
-
-
-def _check(name: str, value: int | None) -> None:
-    if value is not None and value < 1:
-        raise OutOfRangeError(name, value, "1 or more")
