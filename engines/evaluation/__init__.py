@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from engines.evaluation.actions import ActionBench, Options, evaluate
+from engines.evaluation.actions import ActionBench, Options
 from engines.evaluation.results import Repeat, Results, Row
+from engines.evaluation.rounds import evaluate
+from engines.evaluation.texts import TextBench, TextOptions
 
-__all__ = ["ActionBench", "Options", "Repeat", "Results", "Row", "evaluate"]
+__all__ = ["ActionBench", "Options", "Repeat", "Results", "Row", "TextBench", "TextOptions", "evaluate"]

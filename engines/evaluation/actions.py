@@ -12,34 +12,24 @@ what they are and not by luck.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from engines.datasets import Clip
-from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
+from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.evaluation.real import RealMotions, means
-from engines.evaluation.results import Repeat, Results, Row
+from engines.evaluation.results import Repeat, Row
+from engines.evaluation.rounds import BATCH, PARTS, PHYSICAL, REAL, TRAINING, Held, Run
 from engines.metrics import distribution, physical, protocol, recognition
 from engines.metrics.evaluators import Recogniser
 from engines.metrics.recognition import Recognised
 from engines.motion import Motion
 
-Held = Literal["held-out", "test", "val"]
-PARTS: Mapping[str, tuple[str, ...]] = {"held-out": ("val", "test"), "test": ("test",), "val": ("val",)}
-"""What data the real motions may come from, and the splits it stands for."""
-BATCH = 256
-"""Motions generated and looked at together: bounds memory."""
-PHYSICAL = 600
-"""About so many motions of a repeat, in equal parts, are measured physically."""
 COMPONENTS = 16
 """Principal components in which one action's motions are compared: too few are drawn of each for all features."""
-REAL, TRAINING = "real (held out)", "real (training)"
-
-Progress = Callable[[int, int, str], None]
-"""Called with motions generated, motions to generate in all, and the row at hand."""
 _LABELS, _REAL, _PAIRS, _SEEDS, _ROW = range(5)
 
 
@@ -134,6 +124,52 @@ class ActionBench:
             for index, action in enumerate(self.actions)
         ]
 
+    @property
+    def per_repeat(self) -> int:
+        """Motions generated in each repeat."""
+        return self.options.motions
+
+    def real_rows(self) -> dict[str, int]:
+        """Those that have clips of every action."""
+        pools = {REAL: self.real, TRAINING: self.training}
+        return {name: pool.clips for name, pool in pools.items() if pool.complete}
+
+    def drawn(self, row: str, repeat: int) -> _Looked:
+        """Real motions; held-out ones are another draw than the one they are compared with."""
+        pool, labels = self.real if row == REAL else self.training, self.labels(repeat)
+        chosen = pool.draw(labels, self.rng(repeat, _ROW))
+        return _Looked(pool.recognised(chosen), pool.physical(chosen[_few(labels)]))
+
+    def generated(self, engine: Any, repeat: int, run: Run) -> _Looked:
+        """An engine's motions; of each batch only what was seen is kept."""
+        features, logits, measured = [], [], []
+        few = _few(self.labels(repeat))
+        place = 0
+        for motions, joints in self._batches(engine, repeat, run):
+            seen = self.recogniser.recognised(motions)
+            features.append(seen.features)
+            logits.append(seen.logits)
+            for i, motion in enumerate(motions):
+                if few[place + i]:
+                    measured.append(physical.table(motion, joints[i] if joints else None))
+            place += len(motions)
+        return _Looked(Recognised(np.concatenate(features), np.concatenate(logits)), means(measured))
+
+    def _batches(self, engine: Any, repeat: int, run: Run) -> Iterator[tuple[Sequence[Motion], Sequence[np.ndarray]]]:
+        """Motions, and the joints an engine gave before they had rigid bones, where it tells."""
+        raw = getattr(engine, "generate_joints", None)
+        for action, count in enumerate(np.bincount(self.labels(repeat))):
+            for batch, start in enumerate(range(0, count, BATCH)):
+                run.ask()
+                request = {
+                    "count": int(min(BATCH, count - start)),
+                    "frames": self.options.frames,
+                    "seed": self.seed(repeat, action, batch),
+                }
+                name = self.actions[action]
+                yield engine.generate_many(name, **request), raw(name, **request) if raw else ()
+                run.tell(request["count"])
+
     def measured(self, repeat: int, row: Row, made: _Looked, began: float) -> Repeat:
         """All figures of motions that were looked at, for one repeat."""
         labels = self.labels(repeat)
@@ -164,118 +200,6 @@ class _Looked:
 
     seen: Recognised
     physical: dict[str, float]
-
-
-def evaluate(  # noqa: PLR0913 - what a run needs, each part but the first three optional
-    bench: ActionBench,
-    engines: Mapping[str, Any],
-    results: Results,
-    *,
-    repeats: int = 20,
-    progress: Progress | None = None,
-    cancel: Callable[[], bool] | None = None,
-    finished: Callable[[Row], None] | None = None,
-) -> None:
-    """Fill the rows of the table, repeat by repeat; those that are in `results` already are not measured again.
-
-    Args:
-        bench: what the rows share.
-        engines: by row name.
-        results: gets the rows.
-        repeats: how often everything is measured.
-        progress: see `Progress`.
-        cancel: asked between batches; stops with `Cancelled`, and what is finished stays.
-        finished: called after each repeat with its row, to save the results.
-
-    Raises:
-        OutOfRangeError: no repeats.
-        Cancelled: `cancel()` said so.
-    """
-    if repeats < 1:
-        raise OutOfRangeError("repeats", repeats, "1 or more")
-    rows = _rows(bench, engines, results)
-    run = _Run(bench, progress, cancel, sum(max(0, repeats - len(r.repeats)) for r in rows if r.kind == "made"))
-    for row in rows:
-        for repeat in range(len(row.repeats), repeats):
-            run.row = row.name
-            run.ask(f"stopped after {repeat} of {repeats} repeats of {row.name}; the same command goes on from there")
-            began = time.monotonic()
-            if row.kind == "made":
-                looked = run.generated(engines[row.name], repeat)
-            else:
-                looked = run.drawn(bench.real if row.name == REAL else bench.training, repeat)
-            row.repeats.append(bench.measured(repeat, row, looked, began))
-            if finished is not None:
-                finished(row)
-
-
-def _rows(bench: ActionBench, engines: Mapping[str, Any], results: Results) -> list[Row]:
-    """The real rows first, as they are soon done, then the engines' in the order given."""
-    real = {REAL: bench.real, TRAINING: bench.training}
-    rows = [results.row(name, "real", clips=pool.clips) for name, pool in real.items() if pool.complete]
-    for name, engine in engines.items():
-        about = {"engine": engine.name, "variant": getattr(engine, "variant", ""), "licence": engine.licence}
-        rows.append(results.row(name, "made", engine.weights_hash, **about))
-    return rows
-
-
-class _Run:
-    """Makes and draws the motions of a repeat, telling how far it is and asking whether to go on."""
-
-    def __init__(
-        self, bench: ActionBench, progress: Progress | None, cancel: Callable[[], bool] | None, repeats: int
-    ) -> None:
-        self.bench, self.progress, self.cancel, self.row = bench, progress, cancel, ""
-        self.done, self.total = 0, repeats * bench.options.motions
-
-    def ask(self, what: str) -> None:
-        if self.cancel and self.cancel():
-            raise Cancelled(what)
-
-    def drawn(self, pool: RealMotions, repeat: int) -> _Looked:
-        """Real motions; held-out ones are another draw than the one they are compared with."""
-        labels = self.bench.labels(repeat)
-        chosen = pool.draw(labels, self.bench.rng(repeat, _ROW))
-        self._tell(0)
-        return _Looked(pool.recognised(chosen), pool.physical(chosen[_few(labels)]))
-
-    def generated(self, engine: Any, repeat: int) -> _Looked:
-        """An engine's motions; of each batch only what was seen is kept."""
-        features, logits, measured = [], [], []
-        few = _few(self.bench.labels(repeat))
-        place = 0
-        for motions, joints in self._batches(engine, repeat):
-            seen = self.bench.recogniser.recognised(motions)
-            features.append(seen.features)
-            logits.append(seen.logits)
-            for i, motion in enumerate(motions):
-                if few[place + i]:
-                    measured.append(physical.table(motion, joints[i] if joints else None))
-            place += len(motions)
-        return _Looked(Recognised(np.concatenate(features), np.concatenate(logits)), means(measured))
-
-    def _batches(self, engine: Any, repeat: int) -> Iterator[tuple[Sequence[Motion], Sequence[np.ndarray]]]:
-        """Motions, and the joints an engine gave before they had rigid bones, where it tells."""
-        counts = np.bincount(self.bench.labels(repeat))
-        raw = getattr(engine, "generate_joints", None)
-        for action, count in enumerate(counts):
-            for batch, start in enumerate(range(0, count, BATCH)):
-                self.ask(
-                    f"stopped in repeat {repeat + 1} of {self.row}, which was not kept; the same command goes on there"
-                )
-                request = {
-                    "count": int(min(BATCH, count - start)),
-                    "frames": self.bench.options.frames,
-                    "seed": self.bench.seed(repeat, action, batch),
-                }
-                name = self.bench.actions[action]
-                yield engine.generate_many(name, **request), raw(name, **request) if raw else ()
-                self._tell(request["count"])
-
-    def _tell(self, more: int) -> None:
-        self.done += more
-        if self.progress:
-            self.progress(self.done, self.total, self.row)
 
 
 def _few(labels: np.ndarray) -> np.ndarray:

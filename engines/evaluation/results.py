@@ -24,11 +24,11 @@ class Repeat:
 
     figures: dict[str, float]
     """By their names in `protocol.METRICS`."""
-    accuracy: list[float]
-    """Of each action: share of its motions that are recognised."""
-    frechet: list[float]
+    accuracy: list[float] = field(default_factory=list)
+    """Of each action, where engines go by actions: share of its motions that are recognised."""
+    frechet: list[float] = field(default_factory=list)
     """Of each action: Frechet distance to its real motions in a few principal components."""
-    confusion: list[list[int]]
+    confusion: list[list[int]] = field(default_factory=list)
     """[action, answer, how many], those that are not 0; answers count the recogniser's labels."""
     seconds: float = 0.0
 
@@ -71,13 +71,13 @@ class Results:
     basis: dict[str, Any]
     """Everything that changes the figures: actions, data, evaluator, motions, frames, seed."""
     answers: tuple[str, ...]
-    """The recogniser's labels."""
+    """The recogniser's labels; none where sentences are judged."""
     rows: dict[str, Row] = field(default_factory=dict)
 
     @property
     def actions(self) -> tuple[str, ...]:
-        """What was asked for."""
-        return tuple(self.basis["actions"])
+        """What was asked for, where engines go by actions."""
+        return tuple(self.basis.get("actions", ()))
 
     def row(self, name: str, kind: Literal["real", "made"], weights: str = "", **facts: Any) -> Row:
         """The row of that name; without what was found for other weights."""

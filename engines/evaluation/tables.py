@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
+from engines.evaluation import notes as reading
 from engines.evaluation import published
-from engines.evaluation.actions import COMPONENTS, PHYSICAL, REAL, TRAINING
-from engines.evaluation.published import Published
+from engines.evaluation.published import Papers
 from engines.evaluation.results import Results, Row
-from engines.metrics.protocol import ACTION2MOTION, METRICS, Estimate, Metric
+from engines.evaluation.rounds import REAL, TRAINING
+from engines.metrics.protocol import METRICS, Estimate, Metric
 
 
 def columns(rows: Sequence[Row]) -> dict[str, Metric]:
@@ -21,7 +22,10 @@ def columns(rows: Sequence[Row]) -> dict[str, Metric]:
     return {name: metric for name, metric in METRICS.items() if name in there}
 
 
-PAPERS = ("fid", "accuracy_top1", "accuracy_top5", "diversity", "multimodality")
+PAPERS = (
+    "fid", "accuracy_top1", "accuracy_top5", "diversity", "multimodality", "r_precision_top1", "r_precision_top2",
+    "r_precision_top3", "multimodal_distance",
+)  # fmt: skip
 """Columns of the papers; the others are physical."""
 
 
@@ -33,7 +37,8 @@ def heading(metric: Metric) -> str:
 def best(rows: Sequence[Row], name: str) -> tuple[str, ...]:
     """The rows of generated motions with the best mean, several where they tie; none if there is nothing to choose.
 
-    "Like real" is like motions of the training split: there are more clips of each action than are held out.
+    "Like real" is like motions of the training split where it has a row: there are more clips of each action than are
+    held out.
     """
     made = {row.name: row.estimates[name].mean for row in rows if row.kind == "made" and name in row.estimates}
     real = {row.name: row.estimates[name].mean for row in rows if row.kind == "real" and name in row.estimates}
@@ -70,39 +75,22 @@ def cell(estimate: Estimate | None) -> str:
     return f"{estimate.mean:.{digits}f} ± {estimate.half_width:.{digits}f}"
 
 
-def notes(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, ...]]) -> list[str]:
+def notes(results: Results, rows: Sequence[Row], left_out: Mapping[str, tuple[str, ...]]) -> list[str]:
     """How to read the table, a sentence or two each."""
-    basis = results.basis
-    repeats = sorted({len(row.repeats) for row in rows})
-    said = [
-        f"Mean ± half width of the 95 % interval (Student's t) over {' or '.join(map(str, repeats))} "
-        f"repeat{'s' if repeats[-1] > 1 else ''} of {basis['motions']:,} motions of {basis['frames']} frames at 20 "
-        f"frames a second; {len(results.actions)} actions in equal parts; seed {basis['seed']}.",
-        "↑ higher is better, ↓ lower is better, → the closer to real motions of the training split the better. "
-        "Bold: the best mean of the generated; a difference smaller than the intervals is none.",
-        f"FID compares with held-out real clips (data: {basis['data']}), drawn with replacement, as many of each "
-        "action. All rows meet the same draw in the same repeat. A clip longer than a generated motion gives a stretch "
-        "of it, a shorter one counts as it is.",
-        f"`{REAL}` is a second draw from the same clips: what real motion itself scores; its multimodality is low "
-        f"where an action has few clips. `{TRAINING}` is drawn from the clips that engines and recogniser were trained "
-        "on, so that its accuracy is no measure of the recogniser.",
-        f"Accuracy counts over all {len(results.answers)} labels of the recogniser. Diversity: "
-        f"{ACTION2MOTION.diversity_pairs} pairs; multimodality: {ACTION2MOTION.multimodality_pairs} pairs an action.",
-        f"Physical measures: about {PHYSICAL} motions of each repeat, the first of every action. Per-action Fréchet "
-        f"distances are taken in the first {COMPONENTS} principal components of the held-out clips' features: single "
-        "actions have too few motions for all of them.",
-    ]
-    if any("bone_length_drift" in row.repeats[0].figures for row in rows):
-        said.append("Bone-length drift is that of the joints as the network gives them; motions themselves are rigid.")
-    said += same_networks(rows)
-    said += [f"Left out, {reason}: {', '.join(names)}." for reason, names in left_out.items()]
-    return said
+    said = [*reading.notes(results, rows), *same_networks(rows)]
+    return said + [f"Left out, {reason}: {', '.join(names)}." for reason, names in left_out.items()]
 
 
-def markdown(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, ...]]) -> str:
+def papers(results: Results) -> Papers:
+    """What was published of the protocol."""
+    return published.PAPERS[results.basis.get("protocol", "action2motion")]
+
+
+def markdown(results: Results, rows: Sequence[Row], left_out: Mapping[str, tuple[str, ...]]) -> str:
     """The table, how to read it, and the published figures."""
     names = columns(rows)
-    lines = ["# Action2Motion's protocol\n", _line(["", *map(heading, names.values())]), _rule(len(names))]
+    others = papers(results)
+    lines = [f"# {others.title}\n", _line(["", *map(heading, names.values())]), _rule(len(names))]
     winners = {name: best(rows, name) for name in names}
     for row in rows:
         found = row.estimates
@@ -110,15 +98,16 @@ def markdown(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[st
         marked = [f"**{c}**" if row.name in winners[n] else c for n, c in zip(names, cells, strict=True)]
         lines.append(_line([row.name, *marked]))
     lines += ["", *(f"- {note}" for note in notes(results, rows, left_out))]
-    lines += ["", "## The papers' figures\n", f"{published.WARNING.capitalize()}.\n"]
-    titles = [heading(METRICS[name]) for name in published.COLUMNS]
+    lines += ["", "## The papers' figures\n", f"{published.WARNING.capitalize()}. {others.note}\n"]
+    titles = [heading(METRICS[name]) for name in others.columns]
     lines += [_line(["", *titles, "data", "source"]), _rule(len(titles) + 2)]
-    for other in published.ACTION2MOTION:
-        lines.append(_line([other.method, *_published_cells(other), other.data, other.table]))
+    for other in others.rows:
+        cells = [cell(other.figures.get(name)) for name in others.columns]
+        lines.append(_line([other.method, *cells, other.data, other.table]))
     return "\n".join(lines) + "\n"
 
 
-def comma_separated(rows: Sequence[Row]) -> str:
+def comma_separated(results: Results, rows: Sequence[Row]) -> str:
     """A line a row: mean and half width of each figure; published rows say so in `source`."""
     names = columns(rows)
     fields = ["row", "source", "data", "repeats", *(f"{n}{end}" for n in names for end in ("", "_half_width"))]
@@ -128,13 +117,13 @@ def comma_separated(rows: Sequence[Row]) -> str:
     for row in rows:
         facts = {"row": row.name, "source": "measured here", "data": "", "repeats": len(row.repeats)}
         writer.writerow({**facts, **_spread(row.estimates)})
-    for other in published.ACTION2MOTION:
+    for other in papers(results).rows:
         facts = {"row": other.method, "source": f"published ({other.table}), on other data", "data": other.data}
         writer.writerow({**facts, **_spread({k: v for k, v in other.figures.items() if k in names})})
     return text.getvalue()
 
 
-def as_json(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, ...]]) -> dict[str, Any]:
+def as_json(results: Results, rows: Sequence[Row], left_out: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
     """Everything as JSON values: figures with what each repeat gave, per-action figures, published rows."""
     return {
         "basis": results.basis,
@@ -143,16 +132,16 @@ def as_json(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str
         "rows": [_row_json(results, row) for row in rows],
         "published, on other data": [
             {"row": other.method, "data": other.data, "source": other.table, "figures": _figures(other.figures)}
-            for other in published.ACTION2MOTION
+            for other in papers(results).rows
         ],
     }
 
 
 def _row_json(results: Results, row: Row) -> dict[str, Any]:
     each = {what: dict(zip(results.actions, row.of_actions(what).tolist(), strict=True)) for what in
-            ("accuracy", "frechet")}  # fmt: skip
+            ("accuracy", "frechet")} if results.actions else {}  # fmt: skip
     facts = {"kind": row.kind, "weights": row.weights, "repeats": len(row.repeats), **row.facts}
-    return {"row": row.name, **facts, "figures": _figures(row.estimates), "actions": each}
+    return {"row": row.name, **facts, "figures": _figures(row.estimates), **({"actions": each} if each else {})}
 
 
 def _figures(figures: dict[str, Estimate]) -> dict[str, Any]:
@@ -162,10 +151,6 @@ def _figures(figures: dict[str, Estimate]) -> dict[str, Any]:
 def _spread(figures: dict[str, Estimate]) -> dict[str, float]:
     means = {name: found.mean for name, found in figures.items()}
     return {**means, **{f"{name}_half_width": found.half_width for name, found in figures.items()}}
-
-
-def _published_cells(row: Published) -> list[str]:
-    return [cell(row.figures.get(name)) for name in published.COLUMNS]
 
 
 def _line(cells: Sequence[str]) -> str:

@@ -12,13 +12,18 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from engines.errors import OutOfRangeError, UnknownLabelError
+from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from studio.commands.console import progress_bar
 
+if TYPE_CHECKING:
+    from engines.evaluation import Results
+
+_PROTOCOLS = {"actions": "actions", "texts": "text"}
+"""Each protocol, and what an engine must be able to do for it."""
 _PACKAGES = ("motionloom", "numpy", "scipy", "torch", "scikit-learn")
 
 
@@ -30,12 +35,16 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         ),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the report; goes on there.")],
+    protocol: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="actions or texts; if none, actions where every engine goes by them."),
+    ] = None,
     data: Annotated[str, typer.Option(metavar="NAME", help="Real motions: held-out (val and test), test or val.")] = (
         "held-out"
     ),
     repeats: Annotated[int, typer.Option(metavar="N", help="How often everything is measured.")] = 20,
     motions: Annotated[int, typer.Option(metavar="N", help="Generated in each repeat.")] = 3000,
-    frames: Annotated[int, typer.Option(metavar="N", help="Length of each, frames (20 a second).")] = 60,
+    frames: Annotated[int, typer.Option(metavar="N", help="Actions: length of each, frames (20 a second).")] = 60,
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same table.")] = 0,
     threads: Annotated[int | None, typer.Option(metavar="N", help="Processor threads; as torch likes if none.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew what is in the folder.")] = False,
@@ -50,30 +59,29 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom evaluate action2motion:glmi-m action2motion:glmi-m@my.safetensors --data test --out mine/
 
+    The protocol `actions` is Action2Motion's, with the recogniser of actions as judge; `texts` is Text2Motion's, for
+    engines that take sentences: R-precision, distances and FID in the space that motions share with sentences.
+
     Writes index.html (open it in a browser), table.md, table.csv, table.json and rows.json. Ctrl+C keeps every finished
     repeat; the same command goes on from there, with more repeats too. Needs prepared data (`motionloom data prepare`).
     """
     for name, value in (("--repeats", repeats), ("--threads", threads)):
         if value is not None and value < 1:
             raise OutOfRangeError(name, value, "1 or more")
-    from engines import datasets
-    from engines.evaluation import ActionBench, Options, Results
     from engines.evaluation import evaluate as run
-    from engines.metrics.evaluators import recogniser
-    from engines.weights_file import SHIPPED
 
-    options = Options(data, motions, frames, seed)  # pyright: ignore[reportArgumentType] (checked next)
-    options.check()
+    if protocol not in {None, *_PROTOCOLS}:
+        raise UnknownLabelError("protocol", protocol, _PROTOCOLS)
     wanted = [part for spec in engines for part in _parse(spec)]
     if threads is not None:
         import torch
 
         torch.set_num_threads(threads)
-    judge = recogniser.load("action")
-    clips = datasets.load()
     named = {name: _load(name) for name in dict.fromkeys(wanted)}
-    bench = ActionBench(named, clips, judge, options)
-    results = Results(bench.basis(_digest(SHIPPED / "evaluator-action.safetensors")), judge.labels)
+    if (protocol or _fitting(named)) == "texts":
+        bench, results = _by_texts(named, data, motions, seed)
+    else:
+        bench, results = _by_actions(named, data, motions, frames, seed)
     out.mkdir(parents=True, exist_ok=True)
     if not fresh:
         results.go_on_from(out / "rows.json")
@@ -88,6 +96,40 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
             finished=lambda _row: results.save(out / "rows.json"),
         )
     _tell(out, bench, named, results, repeats)
+
+
+def _fitting(engines: Mapping[str, Any]) -> str:
+    """The protocol that all of them can be judged by."""
+    for protocol, ability in _PROTOCOLS.items():
+        if all(ability in engine.capabilities for engine in engines.values()):
+            return protocol
+    able = "; ".join(f"{name}: {', '.join(sorted(e.capabilities)) or 'nothing'}" for name, e in engines.items())
+    raise MotionloomError(f"no protocol fits all of them: actions or text is needed, and they can do: {able}.")
+
+
+def _by_actions(engines: Mapping[str, Any], data: str, motions: int, frames: int, seed: int) -> tuple[Any, Results]:
+    from engines import datasets
+    from engines.evaluation import ActionBench, Options, Results
+    from engines.metrics.evaluators import recogniser
+    from engines.weights_file import SHIPPED
+
+    options = Options(data, motions, frames, seed)  # pyright: ignore[reportArgumentType] (checked next)
+    options.check()
+    judge = recogniser.load("action")
+    bench = ActionBench(engines, datasets.load(), judge, options)
+    return bench, Results(bench.basis(_digest(SHIPPED / "evaluator-action.safetensors")), judge.labels)
+
+
+def _by_texts(engines: Mapping[str, Any], data: str, motions: int, seed: int) -> tuple[Any, Results]:
+    from engines import datasets
+    from engines.evaluation import Results, TextBench, TextOptions
+    from engines.metrics.evaluators import co_embedding
+    from engines.weights_file import SHIPPED
+
+    options = TextOptions(data, motions, seed)  # pyright: ignore[reportArgumentType] (checked next)
+    options.check()
+    bench = TextBench(engines, datasets.load(), co_embedding.load(), options)
+    return bench, Results(bench.basis(_digest(SHIPPED / "evaluator-text.safetensors")), ())
 
 
 def _tell(out: Path, bench: Any, named: Mapping[str, Any], results: Any, repeats: int) -> None:

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from engines.evaluation import ActionBench, Results, Row, published, tables
-from engines.evaluation.actions import COMPONENTS, REAL
+from engines.evaluation.actions import COMPONENTS
+from engines.evaluation.rounds import REAL
 from engines.metrics.protocol import METRICS, Estimate
 from studio.report import charts
 from studio.report import maps as plane
@@ -24,7 +25,7 @@ def text(words: str) -> str:
     return "".join(f"<code>{piece}</code>" if i % 2 else piece for i, piece in enumerate(pieces))
 
 
-def figures(results: Results, rows: Sequence[Row], left_out: dict[str, tuple[str, ...]]) -> str:
+def figures(results: Results, rows: Sequence[Row], left_out: Mapping[str, tuple[str, ...]]) -> str:
     """The table, the papers' columns apart from the physical ones, and how to read it."""
     names = list(tables.columns(rows))
     said = "".join(f"<li>{text(note)}</li>" for note in tables.notes(results, rows, left_out))
@@ -49,34 +50,30 @@ def _table(rows: Sequence[Row], names: Sequence[str]) -> str:
     )
 
 
-def published_figures() -> str:
+def published_figures(results: Results) -> str:
     """The papers' rows, with the warning above them."""
-    heads = "".join(f'<th scope="col">{_heading(name)}</th>' for name in published.COLUMNS)
+    papers = tables.papers(results)
+    heads = "".join(f'<th scope="col">{_heading(name)}</th>' for name in papers.columns)
     lines = []
-    for row in published.ACTION2MOTION:
-        cells = "".join(_cell(row.figures.get(name), False) for name in published.COLUMNS)
+    for row in papers.rows:
+        cells = "".join(_cell(row.figures.get(name), False) for name in papers.columns)
         where = f'<td class="text">{text(row.data)}</td><td class="text">{text(row.table)}</td>'
         kind = "real" if row.method.startswith("Real") else "made"
         lines.append(f'<tr class="{kind}"><th scope="row">{text(row.method)}</th>{cells}{where}</tr>')
     return (
         f'<p class="warning">{text(published.WARNING.capitalize())}.</p><p class="dim">An FID is in the units of the '
-        "features it is taken in, so the numbers of another evaluator say nothing about ours. “w/ Lie” is the variant "
-        "<code>lie</code>.</p>"
+        f"features it is taken in, so the numbers of another evaluator say nothing about ours. {text(papers.note)}</p>"
         f'<div class="wide"><table><thead><tr><th scope="col"></th>{heads}<th scope="col" class="text">data</th>'
         f'<th scope="col" class="text">source</th></tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
     )
 
 
-def example_buttons(actions: Sequence[tuple[str, str]]) -> str:
-    """A button an action, and the place of the player."""
+def example_buttons(names: Sequence[str], intro: str) -> str:
+    """A button an example, and the place of the player."""
     buttons = "".join(
-        f'<button aria-pressed="{str(i == 0).lower()}">{text(action)}{f" ({why})" if why else ""}</button>'
-        for i, (action, why) in enumerate(actions)
+        f'<button aria-pressed="{str(i == 0).lower()}">{text(name)}</button>' for i, name in enumerate(names)
     )
-    return (
-        '<p class="dim">The first motions of the first repeat, not chosen, beside a real one; of the actions that are '
-        f'recognised best, middling and worst.</p><div class="tools">{buttons}</div><div id="player"></div>'
-    )
+    return f'<p class="dim">{text(intro)}</p><div class="tools">{buttons}</div><div id="player"></div>'
 
 
 def by_action(rows: Sequence[Row], actions: Sequence[str]) -> str:
@@ -121,8 +118,15 @@ def confusions(rows: Sequence[Row], bench: ActionBench) -> str:
     return "".join(parts)
 
 
-def maps(features: Mapping[str, np.ndarray], names: Sequence[str], seed: int) -> str:
-    """The features of real and generated motions on a plane, by principal components and, where it can be, t-SNE."""
+def maps(features: Mapping[str, np.ndarray], names: Sequence[str], intro: str, seed: int) -> str:
+    """The features of real and generated motions on a plane, by principal components and, where it can be, t-SNE.
+
+    Args:
+        features: row -> (N, D); real ones under "real".
+        names: (N,) what each motion is of.
+        intro: what is seen.
+        seed: of t-SNE.
+    """
     together = np.concatenate(list(features.values()))
     points, share = plane.principal(together)
     parts = [_panels(f"Principal components 1 and 2 ({100 * share:.0f} % of the variance)", points, features, names)]
@@ -133,11 +137,7 @@ def maps(features: Mapping[str, np.ndarray], names: Sequence[str], seed: int) ->
         )
     else:
         parts.append('<p class="dim">No t-SNE: it needs scikit-learn (pip install "motionloom[reports]").</p>')
-    intro = (
-        f'<p class="dim">What the recogniser sees of {len(names):,} motions of each row. Grey: held-out real motions; '
-        "coloured: generated, over the same ones. Generated motions should lie where real ones do.</p>"
-    )
-    return f'{intro}<div class="planes">{"".join(parts)}</div>'
+    return f'<p class="dim">{text(intro)}</p><div class="planes">{"".join(parts)}</div>'
 
 
 def again(rows: Sequence[Row], results: Results, facts: Mapping[str, str]) -> str:
@@ -148,14 +148,16 @@ def again(rows: Sequence[Row], results: Results, facts: Mapping[str, str]) -> st
         "seed": str(basis["seed"]),
         "evaluator weights (SHA-256)": basis["evaluator"],
         "held-out clips": f"{basis['data']}, fingerprint {basis['clips']}",
-        "training clips": f"fingerprint {basis['training clips']}",
     }
+    if "training clips" in basis:
+        known["training clips"] = f"fingerprint {basis['training clips']}"
     for row in rows:
         if row.kind == "made":
             seconds = np.median([repeat.seconds for repeat in row.repeats])
             known[f"{row.name}, weights (SHA-256)"] = f"{row.weights} ({seconds:.0f} s a repeat)"
     items = "".join(f"<dt>{text(name)}</dt><dd><code>{text(value)}</code></dd>" for name, value in known.items())
-    return f"<dl>{items}</dl><p class='dim'>The actions: {text(', '.join(results.actions))}.</p>"
+    actions = f"<p class='dim'>The actions: {text(', '.join(results.actions))}.</p>" if results.actions else ""
+    return f"<dl>{items}</dl>{actions}"
 
 
 def legend(rows: Sequence[Row]) -> str:

@@ -12,12 +12,15 @@ import pytest
 import engines
 from engines import datasets, weights_file
 from engines.errors import UnknownLabelError
-from engines.metrics.evaluators import recogniser
+from engines.evaluation import texts
+from engines.metrics.evaluators import co_embedding, recogniser
 from studio import report, tasks
 from tests.engines.action2motion import tiny
-from tests.engines.evaluation import small
+from tests.engines.evaluation import small, test_texts
 
 QUICK = ("--repeats", "2", "--motions", "10", "--frames", "8", "--out", "report")
+
+TEXTS = ("--repeats", "2", "--motions", "64", "--out", "report")
 
 
 @pytest.fixture
@@ -47,7 +50,9 @@ def world(monkeypatch, tmp_path):
     monkeypatch.setattr(tasks, "load_engine", lambda *_: known["glmi-m"])
     monkeypatch.setattr(datasets, "load", lambda *_: small.clips())
     monkeypatch.setattr(recogniser, "load", lambda *_: small.recogniser())
-    (tmp_path / "evaluator-action.safetensors").write_bytes(b"weights")
+    monkeypatch.setattr(co_embedding, "load", test_texts.Judge)
+    for task in ("action", "text"):
+        (tmp_path / f"evaluator-{task}.safetensors").write_bytes(b"weights")
     monkeypatch.setattr(weights_file, "SHIPPED", tmp_path)
     monkeypatch.setattr(report, "write_report", _only_tables)
     return known
@@ -65,6 +70,19 @@ def test_all_variants_in_one_table(run, world, tmp_path) -> None:
     assert out.splitlines()[-1] == "report/index.html"
     assert "left out, without a held-out clip: throw" in err
     assert {p.name for p in (tmp_path / "report").iterdir()} == {"rows.json", "table.md", "table.csv", "table.json"}
+
+
+def test_sentences_in_one_table(run, world, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(texts, "captions", test_texts.captions)
+    monkeypatch.setattr(datasets, "load", lambda *_: test_texts.KNOWN)
+    monkeypatch.setitem(world, "glmi-m", test_texts.Memory())
+    code, out, err = run("action2motion", *TEXTS)
+    assert code == 0, err
+    values = json.loads((tmp_path / "report" / "table.json").read_text())
+    assert values["basis"]["protocol"] == "text2motion"
+    assert [row["row"] for row in values["rows"]] == ["real (held out)", "action2motion"]
+    assert "R-precision top 1 ↑" in out
+    assert "1.000 ± 0.000" in out
 
 
 def test_ctrl_c_keeps_what_is_done_and_the_same_command_goes_on(run, world, tmp_path, monkeypatch) -> None:
@@ -110,6 +128,8 @@ def test_another_seed_needs_another_folder_or_fresh(run, world) -> None:
         (["action2motion", "--motions", "3"], "10 or more: two of each of 5 actions"),
         (["action2motion", "--frames", "1"], "4 or more"),
         (["action2motion", "--seed", "-1"], "0 to 2^63"),
+        (["action2motion", "--protocol", "text"], "did you mean 'texts'"),
+        (["action2motion", "--protocol", "texts", "--motions", "10"], "64 or more: pools have 32"),
     ],
 )
 def test_a_persons_mistake_is_one_line_and_code_1(run, world, arguments, says) -> None:
@@ -122,7 +142,10 @@ def test_a_persons_mistake_is_one_line_and_code_1(run, world, arguments, says) -
 
 def test_missing_data_weights_and_engines_that_do_not_go_by_actions(run, world, monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(world["glmi-m"], "capabilities", frozenset({"text"}))
-    assert "does not go by actions" in run("action2motion", *QUICK)[2]
+    assert "does not go by actions" in run("action2motion", "--protocol", "actions", *QUICK)[2]
+    monkeypatch.setattr(world["glmi-m"], "capabilities", frozenset({"captions"}))
+    assert "no protocol fits all of them" in run("action2motion", *QUICK)[2]
+    assert "takes no text" in run("action2motion", "--protocol", "texts", *TEXTS)[2]
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MOTIONLOOM_CACHE", str(tmp_path / "cache"))

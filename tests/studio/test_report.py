@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from engines.evaluation import Results, evaluate
-from studio.report import charts, maps, write
+from engines.evaluation import Results, TextBench, evaluate, texts
+from studio.report import actions, charts, maps, write
 from tests.engines.action2motion import tiny
-from tests.engines.evaluation import small
+from tests.engines.evaluation import small, test_texts
 
 SVG = re.compile(r"<svg.*?</svg>", re.DOTALL)
 
@@ -82,7 +82,7 @@ def test_examples_are_the_best_some_in_the_middle_and_the_worst() -> None:
     made = row("a", "made", 1.0, 1.0)
     for each in made.repeats:
         each.accuracy[:] = accuracy.tolist()
-    chosen = write.examples([made], [str(i) for i in range(11)])
+    chosen = actions.examples([made], [str(i) for i in range(11)])
     assert [round(10 * float(accuracy[i])) for i, _ in chosen] == [10, 9, 6, 5, 1, 0]
     assert [why for _, why in chosen] == ["best", "best", "middling", "middling", "worst", "worst"]
 
@@ -134,3 +134,22 @@ def test_neighbours_keep_groups_together() -> None:
     np.testing.assert_array_equal(points, maps.neighbours(groups))
     within = np.linalg.norm(points[:20] - points[:20].mean(0), axis=1).max()
     assert np.linalg.norm(points[:20].mean(0) - points[20:].mean(0)) > within
+
+
+def test_a_page_about_sentences(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(texts, "captions", test_texts.captions)
+    engines = {"loom": test_texts.Memory()}
+    bench = TextBench(engines, test_texts.KNOWN, test_texts.Judge(), test_texts.OPTIONS)
+    results = Results(bench.basis("0" * 64), ())
+    evaluate(bench, engines, results, repeats=2)
+    path = write.write_report(tmp_path, bench, engines, results, 2, {"command": "motionloom evaluate loom"})
+    found = path.read_text(encoding="utf-8")
+    assert "[[" not in found
+    shown = found[: found.index('<script type="application/json"')]
+    sentences = [prompt.sentence for prompt in bench.prompts(0)]
+    assert all(f">{sentence}</button>" in shown for sentence in sentences[:6])
+    assert sentences[6] not in re.sub(r"<svg.*?</svg>", "", shown, flags=re.DOTALL)
+    assert "R-precision top 1 ↑" in shown and "By action" not in shown and "Confusion" not in shown
+    assert "Guo" not in shown and ">TM2T</th>" in shown
+    assert json.loads(re.findall(r'id="values">(.*?)</script>', found, re.DOTALL)[0])["takes"]
+    assert len(SVG.findall(found)) == 2 if maps.can_neighbours() else 1

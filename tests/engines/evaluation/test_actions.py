@@ -10,8 +10,8 @@ import pytest
 
 from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.evaluation import ActionBench, Options, Results, evaluate
-from engines.evaluation.actions import REAL, TRAINING
 from engines.evaluation.real import STEP, RealMotions
+from engines.evaluation.rounds import REAL, TRAINING
 from engines.metrics import physical
 from tests.engines.action2motion import tiny
 from tests.engines.evaluation import small

@@ -9,7 +9,7 @@ import json
 import pytest
 
 from engines.evaluation import Repeat, Results, Row, published, tables
-from engines.evaluation.actions import REAL, TRAINING
+from engines.evaluation.rounds import REAL, TRAINING
 from engines.metrics.protocol import Estimate
 
 BASIS = {"data": "test", "motions": 300, "frames": 60, "seed": 0, "actions": ["walk", "run"]}
@@ -71,8 +71,8 @@ def test_markdown(results, rows) -> None:
     assert width == {5}
 
 
-def test_comma_separated(rows) -> None:
-    read = list(csv.DictReader(io.StringIO(tables.comma_separated(rows))))
+def test_comma_separated(results, rows) -> None:
+    read = list(csv.DictReader(io.StringIO(tables.comma_separated(results, rows))))
     assert [r["row"] for r in read[:4]] == [REAL, TRAINING, "a", "b"]
     assert float(read[3]["fid"]) == pytest.approx(2.0)
     assert float(read[3]["fid_half_width"]) == pytest.approx(1.2706, abs=1e-3)
@@ -96,3 +96,32 @@ def test_published_tables_agree_with_the_papers_own_words() -> None:
         made = {r.method: r.figures["fid"].mean for r in published.ACTION2MOTION if r.data == data and "(" in r.method}
         expected = "Action2Motion (w/ Lie)" if data == "NTU-RGBD" else "Action2Motion (GLMI-M)"
         assert min(made, key=lambda name: made[name]) == expected
+
+
+def test_published_text_tables_agree_with_the_papers_own_words() -> None:
+    """Real lengths help nearly everywhere; Text2Motion is more exact than TM2T (their tables' marks of the best)."""
+    for data in ("HumanML3D", "KIT-ML"):
+        rows = {row.method: row.figures for row in published.TEXT2MOTION if row.data == data}
+        assert list(rows) == ["Real motions", "Text2Motion (w/ real length)", "Text2Motion", "TM2T"]
+        top = {name: figures["r_precision_top1"].mean for name, figures in rows.items()}
+        assert list(top) == sorted(top, key=lambda name: -top[name])
+        for figures in rows.values():
+            shares = [figures[f"r_precision_top{k}"].mean for k in (1, 2, 3)]
+            assert shares == sorted(shares)
+        assert "multimodality" not in rows["Real motions"]
+        assert set(rows["TM2T"]) == set(published.TEXT_COLUMNS)
+
+
+def test_a_table_of_texts_has_its_own_columns_notes_and_papers() -> None:
+    figures = {"r_precision_top1": 0.5, "fid": 0.1, "multimodal_distance": 0.9, "jitter": 50.0}
+    rows = [Row(REAL, "real", "", {}, [Repeat(figures)]), Row("loom", "made", "a" * 64, {}, [Repeat(figures)])]
+    basis = {"protocol": "text2motion", "data": "test", "motions": 300, "sentences with many": 10, "seed": 0}
+    found = Results(basis, (), {row.name: row for row in rows})
+    text = tables.markdown(found, rows, {})
+    lines = text.splitlines()
+    assert lines[0] == "# Text2Motion's protocol"
+    assert lines[2] == "|  | FID ↓ | R-precision top 1 ↑ | Multimodal distance ↓ | Jitter → (m/s³) |"
+    assert "By chance: 0.031" in text and "10 sentences, 30 motions each" in text
+    assert "| Text2Motion | 0.455 ± 0.003 | 0.636 ± 0.003 | 0.736 ± 0.002 | 1.087 ± 0.021 | " in text
+    assert "actions" not in tables.as_json(found, rows, {})["rows"][1]
+    assert "Action2Motion" not in text

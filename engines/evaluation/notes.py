@@ -1,0 +1,65 @@
+"""How to read the table of an evaluation, a sentence or two at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from engines.evaluation.actions import COMPONENTS
+from engines.evaluation.results import Results, Row
+from engines.evaluation.rounds import PHYSICAL, REAL, TRAINING
+from engines.metrics.protocol import ACTION2MOTION, TEXT2MOTION
+from engines.metrics.retrieval import POOL
+
+
+def notes(results: Results, rows: Sequence[Row]) -> list[str]:
+    """What the figures of a protocol are."""
+    repeats = sorted({len(row.repeats) for row in rows})
+    over = f"{' or '.join(map(str, repeats))} repeat{'s' if repeats[-1] > 1 else ''}"
+    said = {"action2motion": _of_actions, "text2motion": _of_texts}[results.basis.get("protocol", "action2motion")]
+    made = said(results, f"Mean ± half width of the 95 % interval (Student's t) over {over}")
+    if any("bone_length_drift" in row.repeats[0].figures for row in rows):
+        made.append("Bone-length drift is that of the joints as the network gives them; motions themselves are rigid.")
+    return made
+
+
+def _of_actions(results: Results, mean: str) -> list[str]:
+    basis = results.basis
+    return [
+        f"{mean} of {basis['motions']:,} motions of {basis['frames']} frames at 20 frames a second; "
+        f"{len(results.actions)} actions in equal parts; seed {basis['seed']}.",
+        "↑ higher is better, ↓ lower is better, → the closer to real motions of the training split the better. "
+        "Bold: the best mean of the generated; a difference smaller than the intervals is none.",
+        f"FID compares with held-out real clips (data: {basis['data']}), drawn with replacement, as many of each "
+        "action. All rows meet the same draw in the same repeat. A clip longer than a generated motion gives a stretch "
+        "of it, a shorter one counts as it is.",
+        f"`{REAL}` is a second draw from the same clips: what real motion itself scores; its multimodality is low "
+        f"where an action has few clips. `{TRAINING}` is drawn from the clips that engines and recogniser were trained "
+        "on, so that its accuracy is no measure of the recogniser.",
+        f"Accuracy counts over all {len(results.answers)} labels of the recogniser. Diversity: "
+        f"{ACTION2MOTION.diversity_pairs} pairs; multimodality: {ACTION2MOTION.multimodality_pairs} pairs an action.",
+        f"Physical measures: about {PHYSICAL} motions of each repeat, the first of every action. Per-action Fréchet "
+        f"distances are taken in the first {COMPONENTS} principal components of the held-out clips' features: single "
+        "actions have too few motions for all of them.",
+    ]
+
+
+def _of_texts(results: Results, mean: str) -> list[str]:
+    basis = results.basis
+    return [
+        f"{mean} of {basis['motions']:,} sentences, each of another held-out clip (data: {basis['data']}), with one "
+        f"motion as long as that clip; seed {basis['seed']}.",
+        "↑ higher is better, ↓ lower is better, → the closer to held-out real motions the better. Bold: the best mean "
+        "of the generated; a difference smaller than the intervals is none.",
+        f"R-precision: the motion's own sentence is the nearest, among the 2, the 3 nearest of {POOL} in the space of "
+        f"the co-embedding; no pool holds a sentence twice. By chance: {1 / POOL:.3f}, {2 / POOL:.3f}, {3 / POOL:.3f}. "
+        "Many clips here show the same action, so sentences in a pool can be true of more than one motion, and real "
+        "motion does not reach 1.",
+        "The space has unit vectors: distances lie between 0 and 2, and FID, diversity and multimodality are as small. "
+        "FID compares with held-out real clips drawn with replacement, the same draw for all rows of a repeat; "
+        f"`{REAL}` are the real motions of the very sentences.",
+        f"Diversity: {TEXT2MOTION.diversity_pairs} pairs. Multimodality: {basis['sentences with many']} sentences, "
+        f"{TEXT2MOTION.motions_a_prompt} motions each, {TEXT2MOTION.multimodality_pairs} pairs a sentence. Physical "
+        f"measures: the first {PHYSICAL} motions of each repeat.",
+        "Sentences are captions from the grammar (and people's own), drawn with a seed that nothing was trained on; "
+        "the grammar itself is that of the training captions.",
+    ]
