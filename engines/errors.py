@@ -54,6 +54,10 @@ class CheckpointError(MotionloomError):
     """A checkpoint is missing, damaged or of another architecture."""
 
 
+class TrainingError(MotionloomError):
+    """Training cannot go on: a loss or a gradient is not a number any more."""
+
+
 class MissingDependencyError(MotionloomError, ImportError):
     """An optional package is needed; the message names the extra that brings it."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from engines.errors import FormatError
+from engines.formats.files import atomic_path
 
 
 def write_beside(path: Path, content: str | bytes, durable: bool = False) -> None:
@@ -19,14 +19,8 @@ def write_beside(path: Path, content: str | bytes, durable: bool = False) -> Non
     Raises:
         FormatError: the disk is full, the folder is missing, ...; nothing half-written is left.
     """
-    temporary = path.with_name(path.name + ".partial")
-    try:
-        with temporary.open("wb") as file:
-            file.write(content.encode() if isinstance(content, str) else content)
-            if durable:
-                file.flush()
-                os.fsync(file.fileno())
-        temporary.replace(path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise FormatError(path, f"cannot be written: {(error.strerror or str(error)).lower()}.") from error
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
+        if durable:
+            file.flush()
+            os.fsync(file.fileno())

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor, nn
 
-from engines.errors import Cancelled
+from engines.errors import Cancelled, TrainingError
 from engines.training import devices
 from engines.training.plan import TrainingPlan
-from engines.training.state import TrainingError, TrainingState
+from engines.training.state import TrainingState
 
 if TYPE_CHECKING:
     from lightning_fabric import Fabric
@@ -205,4 +205,4 @@ def _record(state: TrainingState) -> None:
     log.info("%s", "  ".join(f"{k} {v:.4g}" for k, v in line.items()))
 
 
-__all__ = ["TrainingError", "TrainingPlan", "TrainingState", "train"]
+__all__ = ["TrainingPlan", "TrainingState", "train"]

@@ -15,7 +15,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from engines.errors import CheckpointError, FormatError, MotionloomError
+from engines.errors import CheckpointError, FormatError
 from engines.training.devices import ALONE, Share
 from engines.training.files import write_beside
 from engines.training.plan import TrainingPlan
@@ -32,10 +32,6 @@ _DAMAGED = (
     IndexError,
     AttributeError,
 )
-
-
-class TrainingError(MotionloomError):
-    """Training cannot go on: a loss or a gradient is not a number any more."""
 
 
 @dataclass

@@ -13,9 +13,9 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from engines.errors import Cancelled, CheckpointError, OutOfRangeError
+from engines.errors import Cancelled, CheckpointError, OutOfRangeError, TrainingError
 from engines.training import files
-from engines.training.loop import TrainingError, TrainingPlan, TrainingState, train
+from engines.training.loop import TrainingPlan, TrainingState, train
 from engines.training.schedules import LengthCurriculum
 
 PLAN = TrainingPlan(
