@@ -51,3 +51,10 @@ def test_the_same_movement_faster_moves_faster() -> None:
 def test_of_a_long_motion_the_middle_is_seen() -> None:
     motion = movement(70)
     np.testing.assert_allclose(trunk.describe(motion, 30)[1:], trunk.describe(motion)[21:50], atol=1e-6)
+
+
+def test_a_single_frame_is_seen_too() -> None:
+    row = trunk.describe(movement(20)[:1])
+    assert row.shape == (1, trunk.CHANNELS)
+    assert np.abs(row[:, trunk.BONES : 2 * trunk.BONES]).max() == 0.0
+    assert torch.isfinite(made().pooled_in_row(trunk.in_row([row]))).all()
