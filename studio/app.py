@@ -68,6 +68,8 @@ def _lay_out(session: Session) -> pn.Template:
         "topbar": bar,
         "compose_tabs": compose.compose_tabs(session),
         "compose": compose.compose_form(session, field),
+        "go": compose.generate_button(session),
+        "ideas": compose.examples(session),
         "browse": compose.action_grid(session),
         "stage": stage.stage(session),
         "takes": takes.gallery(session),

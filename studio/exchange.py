@@ -87,7 +87,8 @@ class Exchange:
         if take is None or state.export_status in ("queued", "running"):
             return
         how = state.export_settings()
-        name = f"{self._prefix()}{take.id}-{tasks.slug(Path(take.subject).stem)}{ending(state.export_format)}"
+        subject = take.subject if take.settings else Path(take.subject).stem
+        name = f"{self._prefix()}{take.id}-{tasks.slug(subject)}{ending(state.export_format)}"
         self.folder = self.folder or Path(tempfile.mkdtemp(prefix="motionloom-"))
         path = Path(tempfile.mkdtemp(dir=self.folder)) / name
         state.param.update(

@@ -19,6 +19,7 @@ import engines
 from studio import tasks, thumbnails
 from studio.exchange import Exchange
 from studio.jobs import Job, JobQueue, Work, shared_queue
+from studio.pinning import Pinning
 from studio.settings import GenerateSettings
 from studio.state import StudioState
 from studio.takes import Take, TakeList
@@ -27,6 +28,8 @@ log = logging.getLogger(__name__)
 
 STAGE_LIMIT = 16
 """Most takes the stage shows at once."""
+LONGEST_PINNED = 200
+"""Frames of a motion of which something is pinned, where an engine does not say."""
 
 
 class Session:
@@ -50,6 +53,7 @@ class Session:
         self.dispatch = dispatch or (lambda act: act())
         self.takes = TakeList(on_change=self._takes_changed)
         self.files = Exchange(self)
+        self.pins = Pinning(self)
         self._drawing: Job | None = None
         self._draws = 0
         self._loaded = ("", "")
@@ -81,9 +85,11 @@ class Session:
             state.seed = random.randrange(10_000)
         self._draws += 1
         asked = state.generate_settings()
-        state.param.update(generating=True, generate_progress=0.0, generate_error="")
+        state.param.update(generating=True, generate_progress=0.0, generate_error="", generate_note="", tool="none")
         self._drawing = self.submit(
-            f"{asked.count} × {asked.action}", lambda progress, cancel: _draw(asked, progress, cancel), self._drawn
+            f"{asked.count} × {asked.subject[:60]}",
+            lambda progress, cancel: _draw(asked, progress, cancel),
+            self._drawn,
         )
 
     def cancel_generate(self) -> None:
@@ -106,9 +112,12 @@ class Session:
         if take is None or take.settings is None:
             return
         made = take.settings
+        tab = "text" if made.prompt and not made.action else "action"
         self.state.param.update(
-            engine=made.engine, variant=made.variant, action=made.action, frames=made.frames, seed=made.seed,
-            count=made.count, bone_scale=dict(made.bone_scale),
+            engine=made.engine, variant=made.variant, action=made.action or self.state.action, frames=made.frames,
+            seed=made.seed, count=made.count, bone_scale=dict(made.bone_scale), style=made.style,
+            prompt=made.prompt or self.state.prompt, guidance=made.guidance, best_of=made.best_of,
+            pinned=made.constraints, request=tab, compose_tab=tab,
         )  # fmt: skip
 
     def _drawn(self, job: Job) -> None:
@@ -123,7 +132,8 @@ class Session:
             state.message = f"Cancelled: {job.title}"
         else:
             asked, motions, metrics, seconds = job.result
-            state.generate_rate = len(motions) * asked.frames / max(seconds, 1e-3)
+            state.generate_rate = len(motions) * asked.best_of * asked.frames / max(seconds, 1e-3)
+            state.generate_note = _note(motions)
             made = self.takes.add(motions, group=uuid.uuid4().hex, settings=asked, metrics=metrics)
             self.shelve(made)
 
@@ -244,11 +254,19 @@ class Session:
         """Copy what an engine says about itself into the state; the controls are built from it."""
         self._loaded = (self.state.engine, engine.variant)
         known = [action.name for action in engine.actions]
+        styles = [str(style) for style in getattr(engine, "styles", ())]
+        can = frozenset(engine.capabilities)
         action = self.state.action if self.state.action in known or not known else known[0]
         self.state.param.update(
             variant=engine.variant,
-            capabilities=frozenset(engine.capabilities),
+            capabilities=can,
             actions=tuple(engine.actions),
+            styles=styles,
+            style=self.state.style if self.state.style in styles else "",
+            max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)),
+            tool=self.state.tool if "constraints" in can else "none",
+            request=self.state.request if "text" in can else "action",
+            compose_tab="action" if self.state.compose_tab == "text" and "text" not in can else self.state.compose_tab,
             variants=list(getattr(engine, "variants", ())),
             fps=float(engine.fps),
             max_frames=int(engine.max_frames),
@@ -279,6 +297,18 @@ class Session:
                 self.dispatch(lambda: act(job))
 
         return self.queue.submit(self.id, title, work, lane=lane, on_change=changed)
+
+
+def _note(motions: list) -> str:
+    """One line on what of the things pinned could not be met."""
+    said = [sentence for motion in motions for sentence in dict.fromkeys(tasks.unmet(motion))]
+    if not said:
+        return ""
+    touched = sum(bool(tasks.unmet(motion)) for motion in motions)
+    which = "" if touched == len(motions) else f"In {touched} of {len(motions)} takes: "
+    others = len(set(said)) - 1
+    more = f" And {others} more; see Details." if others else ""
+    return f"{which}{said[0]}{more}"
 
 
 def _draw(asked: GenerateSettings, progress, cancel) -> tuple[GenerateSettings, list, list, float]:

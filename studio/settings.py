@@ -4,41 +4,63 @@
      "generate": {"engine": "action2motion", "action": "walk", "frames": 60, "seed": 7, "count": 4, "take": 2},
      "export": {"formats": ["bvh", "mp4"], "width": 1280, "height": 720, "camera": "follow"}}
 
-Every key is optional; a key or value that is not understood is refused with the nearest one that is.
+Every key is optional; a key or value that is not understood is refused with the nearest one that is. What is pinned
+(`constraints`) is described in `studio.pinned`.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+import engines
 from engines.errors import FormatError, MotionloomError, OutOfRangeError, UnknownLabelError
+from studio.pinned import NOTHING, Pinned
 
 VERSION = 1
+DEFAULT_ENGINE = "action2motion"
+"""The engine a newcomer meets first; where its weights are missing, the first that has some."""
 MAX_SEED = 2**31 - 1
 MAX_COUNT = 32
 MAX_FRAMES = 12000
+MAX_GUIDANCE = 10.0
+MAX_BEST_OF = 16
+MAX_PROMPT = 1000
 VIDEO_FORMATS = ("mp4", "gif")
 FORMATS = (*VIDEO_FORMATS, "bvh", "npz", "amass")
 """What can be exported: videos, BVH, the project's own lossless .npz, AMASS .npz."""
 CAMERAS = ("follow", "orbit", "front", "back", "left", "right")
 
 
+def usual_engine() -> str:
+    """`DEFAULT_ENGINE`, or the first engine with weights where it has none."""
+    known = engines.available()
+    return DEFAULT_ENGINE if DEFAULT_ENGINE in known else next(iter(known), DEFAULT_ENGINE)
+
+
 @dataclass(frozen=True)
 class GenerateSettings:
-    """Everything an engine is told: the same settings give the same motions."""
+    """Everything an engine is told: the same settings give the same motions.
 
-    engine: str = "action2motion"
+    What an engine can be told beyond action, length, seed and count says its `capabilities`.
+    """
+
+    engine: str = field(default_factory=usual_engine)
     """Name of the engine; `motionloom info` lists them."""
     variant: str = ""
     """Variant of the engine; empty for its usual one."""
     action: str = "walk"
-    """What the person does."""
+    """What the person does; may be empty where there is a prompt."""
+    style: str = ""
+    """In which manner; empty: any."""
+    prompt: str = ""
+    """A sentence on what is to be seen, up to 1,000 characters."""
     frames: int = 60
     """Length of each motion, frames at the engine's rate."""
     seed: int = 7
@@ -49,8 +71,23 @@ class GenerateSettings:
     """Keep only this one of them, counted from 1; null keeps all."""
     bone_scale: Mapping[str, float] = field(default_factory=dict)
     """Joint name -> factor (0.5 to 2) on the bone that leads to it; "*" for all others."""
+    guidance: float = 2.0
+    """How strongly action, style and words are followed, 0 to 10."""
+    best_of: int = 1
+    """So many are drawn for each that is kept, the one that moves best; 1 to 16."""
+    constraints: Pinned = NOTHING
+    """What is pinned: poses and frames to keep, a path, joints, a loop."""
+
+    @property
+    def subject(self) -> str:
+        """What the motion shows, in a line."""
+        return self.action or self.prompt or "motion"
 
     def __post_init__(self) -> None:
+        _within("guidance", self.guidance, 0.0, MAX_GUIDANCE)
+        _within("best_of", self.best_of, 1, MAX_BEST_OF)
+        if len(self.prompt) > MAX_PROMPT:
+            raise OutOfRangeError("length of the prompt", len(self.prompt), f"up to {MAX_PROMPT:,} characters")
         _within("frames", self.frames, 2, MAX_FRAMES)
         _within("seed", self.seed, 0, MAX_SEED)
         _within("count", self.count, 1, MAX_COUNT)
@@ -115,9 +152,13 @@ class Settings:
 
     def to_json(self) -> str:
         """The text of the settings file."""
-        generate = {**asdict(self.generate), "bone_scale": dict(self.generate.bone_scale)}
+        own = self.generate
+        generate = {f.name: getattr(own, f.name) for f in fields(own)}
+        generate |= {"bone_scale": dict(own.bone_scale), "constraints": own.constraints.to_json()}
         export = {**asdict(self.export), "formats": list(self.export.formats)}
-        return json.dumps({"version": VERSION, "generate": generate, "export": export}, indent=2) + "\n"
+        text = json.dumps({"version": VERSION, "generate": generate, "export": export}, indent=2)
+        # a row of numbers stays on one line; line breaks inside a string are escaped, so no string is touched
+        return re.sub(r"\[\n\s*([-\d.e,\s]+?)\n\s*\]", lambda row: "[" + " ".join(row[1].split()) + "]", text) + "\n"
 
 
 def setting_names() -> list[str]:
@@ -190,9 +231,14 @@ def write_settings(settings: Settings, path: str | Path) -> Path:
 
 _TYPES: dict[str, tuple[type, ...]] = {
     "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
-    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "camera": (str,),
+    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "camera": (str,), "style": (str,),
+    "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
     "width": (int, type(None)), "height": (int, type(None)), "fps": (int, float, type(None)),
 }  # fmt: skip
+
+
+_READERS: dict[str, Any] = {"constraints": Pinned.from_json}
+"""Keys whose value is more than a JSON value."""
 
 
 def _section(kind: type, tree: object, source: str | Path, name: str) -> Any:
@@ -203,7 +249,7 @@ def _section(kind: type, tree: object, source: str | Path, name: str) -> Any:
         if not _fits(key, value):
             wanted = " or ".join("null" if t is type(None) else t.__name__ for t in _TYPES[key])
             raise FormatError(source, f"{name}.{key} holds {json.dumps(value)}; accepted: {wanted}")
-    return kind(**tree)
+    return kind(**{key: _READERS[key](value) if key in _READERS else value for key, value in tree.items()})
 
 
 def _fits(key: str, value: Any) -> bool:

@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import param
 
 from engines.errors import MotionloomError, UnknownLabelError
-from studio.settings import FORMATS, MAX_COUNT, MAX_FRAMES, MAX_SEED, VIDEO_FORMATS, ExportSettings, GenerateSettings
+from studio.pinned import NOTHING, Pinned
+from studio.settings import (
+    DEFAULT_ENGINE,
+    FORMATS,
+    MAX_BEST_OF,
+    MAX_COUNT,
+    MAX_FRAMES,
+    MAX_GUIDANCE,
+    MAX_PROMPT,
+    MAX_SEED,
+    VIDEO_FORMATS,
+    ExportSettings,
+    GenerateSettings,
+    usual_engine,
+)
 from studio.takes import Take
 
 
@@ -18,11 +34,13 @@ class StudioState(param.Parameterized):
 
     # ---- what the engine can do (set when it is loaded) ----
     engines = param.Dict({}, doc="Engine name -> line of description.")
-    engine = param.String("action2motion", doc="The engine asked.")
+    engine = param.String(DEFAULT_ENGINE, doc="The engine asked.")
     variant = param.String("", doc="Its variant; empty for the usual one.")
     variants = param.List([], doc="Variants there are.")
     capabilities = param.ClassSelector(class_=frozenset, default=frozenset(), doc="What the engine can do.")
     actions = param.Parameter((), doc="Actions it knows (engines.actions.Action).")
+    styles = param.List([], doc="Styles it knows, by name.")
+    max_pinned = param.Integer(MAX_FRAMES, doc="Longest motion it makes where something is pinned, frames.")
     joints = param.List([], doc="Bones whose length can be set, as joint names.")
     fps = param.Number(20.0, doc="Its frames a second.")
     max_frames = param.Integer(MAX_FRAMES, doc="Longest motion it makes.")
@@ -31,12 +49,21 @@ class StudioState(param.Parameterized):
     engine_ready = param.Boolean(False, doc="Loaded.")
 
     # ---- what is asked ----
+    request = param.Selector(default="action", objects=["action", "text"], doc="Asked by an action or in words.")
     action = param.String("walk", doc="What the person does.")
     frames = param.Integer(60, bounds=(2, MAX_FRAMES), doc="Length, frames.")
     seed = param.Integer(7, bounds=(0, MAX_SEED), doc="Seed of the draw; shown always.")
     seed_locked = param.Boolean(False, doc="Keep the seed from one draw to the next: an identical repeat.")
     count = param.Integer(4, bounds=(1, MAX_COUNT), doc="How many variations are drawn.")
     bone_scale = param.Dict({}, doc="Joint -> factor.")
+    style = param.String("", doc="In which manner; empty: any.")
+    prompt = param.String("", doc="What is to be seen, in words.")
+    guidance = param.Number(2.0, bounds=(0, MAX_GUIDANCE), doc="How strongly the request is followed.")
+    best_of = param.Integer(1, bounds=(1, MAX_BEST_OF), doc="So many are drawn for each take; the best is kept.")
+    pinned = param.ClassSelector(class_=Pinned, default=NOTHING, doc="What is pinned of the motion to come.")
+    tool = param.Selector(default="none", objects=["none", "path", "joint"], doc="What the mouse draws on the stage.")
+    playhead = param.Number(0.0, doc="Where the player is, seconds.")
+    pin_error = param.String("", doc="Why the last thing could not be pinned.")
 
     # ---- takes ----
     takes = param.Parameter((), doc="Every take, oldest first (studio.takes.Take).")
@@ -49,13 +76,14 @@ class StudioState(param.Parameterized):
     redo_name = param.String("", doc="What redo brings back.")
 
     # ---- which panels are open ----
-    compose_tab = param.Selector(default="action", objects=["action", "import"], doc="Tab of the left panel.")
+    compose_tab = param.Selector(default="action", objects=["action", "text", "import"], doc="Tab of the left panel.")
     inspector_tab = param.Selector(default="details", objects=["details", "export"], doc="Tab of the inspector.")
 
     # ---- work in progress ----
     generating = param.Boolean(False, doc="A draw is under way.")
     generate_progress = param.Number(0.0, bounds=(0, 1), doc="How far it is.")
     generate_error = param.String("", doc="Why the last draw failed.")
+    generate_note = param.String("", doc="What of the last draw's pins could not be met.")
     generate_rate = param.Number(0.0, doc="Frames a second the last draw made; 0 before the first.")
     import_error = param.String("", doc="Why the last import failed.")
     import_status = param.String("", doc="What the last import brought.")
@@ -76,6 +104,14 @@ class StudioState(param.Parameterized):
     export_url = param.String("", doc="Where the finished file is, relative to the page.")
     export_bytes = param.Integer(0, doc="Its size.")
 
+    def __init__(self, **values: Any) -> None:
+        super().__init__(**{"engine": usual_engine(), **values})
+        self.param.watch(self._tab_changed, "compose_tab")
+
+    def _tab_changed(self, event: Any) -> None:
+        if event.new != "import":
+            self.request = event.new
+
     # ---- derived ------------------------------------------------------------------------------------------
 
     def take(self, take_id: str = "") -> Take | None:
@@ -89,9 +125,19 @@ class StudioState(param.Parameterized):
         Raises:
             MotionloomError: something asked is out of range.
         """
+        can = self.capabilities
+        words = self.request == "text" and "text" in can
+        told: dict[str, Any] = {
+            "bone_scale": dict(self.bone_scale) if "scale_bones" in can else None,
+            "style": self.style if "styles" in can else None,
+            "guidance": self.guidance if "guidance" in can else None,
+            "best_of": self.best_of if "best_of" in can else None,
+            "constraints": self.pinned if "constraints" in can else None,
+        }
         return GenerateSettings(
-            engine=self.engine, variant=self.variant, action=" ".join(self.action.lower().split()),
-            frames=self.frames, seed=self.seed, count=self.count, bone_scale=dict(self.bone_scale),
+            engine=self.engine, variant=self.variant, action="" if words else " ".join(self.action.lower().split()),
+            prompt=" ".join(self.prompt.split()) if words else "", frames=self.frames, seed=self.seed,
+            count=self.count, **{name: value for name, value in told.items() if value is not None},
         )  # fmt: skip
 
     def export_settings(self) -> ExportSettings:
@@ -103,21 +149,29 @@ class StudioState(param.Parameterized):
         """Why Generate cannot be pressed; empty when it can."""
         if not self.engine_ready:
             return "The engine could not be loaded." if self.generate_error else "Loading the engine…"
-        if not self.action.strip():
-            return "Choose an action."
+        said = self._request_problem()
+        if said:
+            return said
         try:
             asked = self.generate_settings()
-            known = [action.name for action in self.actions]
-            if asked.action not in known:
-                raise UnknownLabelError("action", self.action, known)
-        except UnknownLabelError as error:
-            nearest = ", ".join(f"“{name}”" for name in error.nearest)
-            return f"“{error.value}” is not an action this engine knows. Nearest: {nearest}."
         except MotionloomError as error:
             return str(error)
         if self.frames > self.max_frames:
             return f"This engine makes at most {self.max_frames / self.fps:g} s."
-        return ""
+        if asked.constraints and self.frames > self.max_pinned:
+            return f"With something pinned, a motion lasts at most {self.max_pinned / self.fps:g} s."
+        return asked.constraints.problem(self.frames, self.fps)
+
+    def _request_problem(self) -> str:
+        """What is wrong with the action or the words."""
+        if self.request == "text" and "text" in self.capabilities:
+            if not self.prompt.strip():
+                return "Describe the motion."
+            return f"A prompt has at most {MAX_PROMPT:,} letters." if len(self.prompt) > MAX_PROMPT else ""
+        if not self.action.strip():
+            return "Choose an action."
+        nearest = ", ".join(f"“{name}”" for name in self.nearest_actions())
+        return f"“{self.action}” is not an action this engine knows. Nearest: {nearest}." if nearest else ""
 
     def nearest_actions(self) -> list[str]:
         """Known actions most like the one typed, when that one is not known."""
@@ -130,8 +184,10 @@ class StudioState(param.Parameterized):
     def forecast(self) -> str:
         """One line on what Generate will bring."""
         text = f"{self.count} × {self.frames} frames at {self.fps:g} fps"
+        tries = self.best_of if "best_of" in self.capabilities else 1
+        text += f" · the best of {tries} each" if tries > 1 else ""
         if self.generate_rate > 0:
-            seconds = self.count * self.frames / self.generate_rate
+            seconds = self.count * self.frames * tries / self.generate_rate
             text += f" · {_seconds(seconds)} on this machine"
         return text
 

@@ -50,9 +50,9 @@ class Take:
 
     @property
     def subject(self) -> str:
-        """What it shows: the action, or the imported file."""
+        """What it shows: the action, the prompt, or the imported file."""
         if self.settings is not None:
-            return self.settings.action
+            return self.settings.subject
         return self.source or self.motion.label_at(0) or "motion"
 
 

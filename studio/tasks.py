@@ -13,8 +13,20 @@ from typing import Any
 
 import engines
 from engines import Motion
+from engines.errors import MotionloomError
 from studio.jobs import Cancel, Progress
 from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
+
+ASKED = {
+    "scale_bones": ("bone_scale", "lengths of bones"),
+    "styles": ("style", "a style"),
+    "text": ("prompt", "a prompt"),
+    "guidance": ("guidance", "a strength of guidance"),
+    "best_of": ("best_of", "to draw several and keep the best"),
+    "constraints": ("constraints", "what to pin (poses, frames, a path, joints, a loop)"),
+}
+"""Capability -> setting that needs it, and what that is in words."""
+_ALWAYS = ("guidance", "best_of")  # numbers that make the motion, whatever an engine's own defaults are
 
 _engines: dict[tuple[str, str], Any] = {}
 _loading = threading.Lock()
@@ -40,14 +52,15 @@ def generate(
     another size would differ in its last bits.
 
     Raises:
-        UnknownLabelError: the engine or the action is not known.
+        UnknownLabelError: the engine, the action or the style is not known.
         OutOfRangeError: more frames than the engine can do.
+        MotionloomError: something is asked that the engine cannot do, or that contradicts itself.
         Cancelled: `cancel()` said so.
     """
     engine = load_engine(settings.engine, settings.variant)
-    extra: dict[str, Any] = {"bone_scale": dict(settings.bone_scale)} if settings.bone_scale else {}
+    extra = told(settings, engine)
     motions = engine.generate_many(
-        settings.action,
+        settings.action or None,
         count=settings.count,
         frames=settings.frames,
         seed=settings.seed,
@@ -56,6 +69,36 @@ def generate(
         **extra,
     )
     return list(motions) if settings.take is None else [motions[settings.take - 1]]
+
+
+def told(settings: GenerateSettings, engine: Any) -> dict[str, Any]:
+    """What an engine is told beyond action, count, frames and seed: only what its capabilities have.
+
+    Raises:
+        MotionloomError: something else was asked for.
+    """
+    usual = GenerateSettings(engine=settings.engine)
+    extra: dict[str, Any] = {}
+    for capability, (name, words) in ASKED.items():
+        value = getattr(settings, name)
+        if capability in engine.capabilities:
+            if value != getattr(usual, name) or name in _ALWAYS:
+                extra[name] = value
+        elif value != getattr(usual, name):
+            raise MotionloomError(
+                f"{engine.name} cannot be told {words}; `motionloom info {engine.name}` shows what it can."
+            )
+    if "bone_scale" in extra:
+        extra["bone_scale"] = dict(settings.bone_scale)
+    if "constraints" in extra:
+        extra["constraints"] = settings.constraints.to_engine(engine.fps)
+    return extra
+
+
+def unmet(motion: Motion) -> list[str]:
+    """What of the things pinned could not be met, in sentences."""
+    said = motion.provenance.parameters.get("unmet", ())
+    return [str(sentence) for sentence in said] if isinstance(said, list | tuple) else [str(said)]
 
 
 def measure(motion: Motion) -> Mapping[str, float]:
@@ -94,5 +137,5 @@ def export(
 
 
 def slug(text: str) -> str:
-    """A text as part of a file name: "wave left hand" -> "wave-left-hand"."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "motion"
+    """A text as part of a file name: "wave left hand" -> "wave-left-hand"; a long one is cut."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60].rstrip("-") or "motion"

@@ -3,7 +3,7 @@ export function render(part) {
   const {model} = part
   const box = h("div")
   mount(part, [box])
-  watch(model, ["busy", "progress", "problem", "named", "forecast", "error", "count"], () => {
+  watch(model, ["busy", "progress", "problem", "named", "forecast", "error", "count", "note"], () => {
     const label = model.count === 1 ? "Generate 1 take" : `Generate ${model.count} takes`
     const main = model.busy
       ? h("button", {class: "btn wide", "data-key": "main", type: "button", onclick: () => model.send_msg({do: "cancel"})}, icon("cross"), "Cancel")
@@ -12,6 +12,6 @@ export function render(part) {
     const line = model.busy
       ? h("progress", {max: "1", value: model.progress > 0 ? String(model.progress) : null, "aria-label": "Generating"})
       : h("p", {class: "hint", id: "forecast"}, model.named ? "Choose an action it knows." : model.problem || model.forecast)
-    redraw(box, main, line, model.error && h("p", {class: "fault", role: "alert"}, model.error))
+    redraw(box, main, line, model.error && h("p", {class: "fault", role: "alert"}, model.error), model.note && h("p", {class: "note", role: "status"}, model.note))
   })
 }

@@ -10,34 +10,137 @@ import panel as pn
 from engines import formats
 from studio import tasks
 from studio.exchange import IMPORTS, UPLOAD_LIMIT
+from studio.pinned import JOINTS
 from studio.session import Session
-from studio.settings import MAX_COUNT
+from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_PROMPT
 from studio.views.binding import follow, tie
-from studio.views.forms import column, dressed, html, row
-from studio.views.parts import ASSETS, ActionField, ActionGrid, Generate, Seed, Segments, Upload, read_asset
+from studio.views.forms import column, dressed, fold, html, row
+from studio.views.parts import (
+    ASSETS,
+    ActionField,
+    ActionGrid,
+    Constraints,
+    Examples,
+    Generate,
+    Prompt,
+    Seed,
+    Segments,
+    Upload,
+)  # fmt: skip
 
-TABS = [("action", "Action"), ("import", "Import")]
+EXAMPLES = (
+    "a person walks forward and turns left",
+    "someone runs, then jumps",
+    "a person waves with the right hand, proudly",
+    "an old person walks slowly and bows",
+    "a person boxes, left and right in turn",
+)
+"""Prompts that fill the field."""
 
 
 def compose_tabs(session: Session) -> Segments:
     """Which kind of request is made."""
-    tabs = Segments(options=TABS, role="tablist", label="Compose", sizing_mode="stretch_width", margin=0)
-    tie(tabs, session.state, value="compose_tab")
+    state = session.state
+    tabs = Segments(role="tablist", label="Compose", sizing_mode="stretch_width", margin=0)
+    tie(tabs, state, value="compose_tab")
+
+    def kinds() -> dict[str, Any]:
+        words = [("text", "Text")] if "text" in state.capabilities else []
+        return {"options": [("action", "Action"), *words, ("import", "Import")]}
+
+    follow(tabs, state, ["capabilities"], kinds)
     return tabs
 
 
 def compose_form(session: Session, field: ActionField) -> pn.Column:
-    """The controls of the open tab, above the actions."""
+    """The controls of the open tab, above the button and the actions."""
     state = session.state
-    action = column(field, _shape(session), _body(session), _generate(session), gap=10)
+    words = _prompt(session)
+    folds = column(_constraints(session), _advanced(session), gap=6)
+    asked = column(field, words, _shape(session), folds, gap=10)
     files = column(_upload(session), html(_readable()), gap=18)
 
     def show(*_: Any) -> None:
-        action.visible, files.visible = state.compose_tab == "action", state.compose_tab == "import"
+        asked.visible, files.visible = state.compose_tab != "import", state.compose_tab == "import"
+        field.visible, words.visible = state.compose_tab != "text", state.compose_tab == "text"
 
     state.param.watch(show, "compose_tab")
     show()
-    return column(action, files, gap=0)
+    return column(asked, files, gap=0)
+
+
+def _prompt(session: Session) -> Prompt:
+    """The motion in words."""
+    part = Prompt(limit=MAX_PROMPT, sizing_mode="stretch_width", margin=0)
+    tie(part, session.state, value="prompt")
+    return part
+
+
+def examples(session: Session) -> Examples:
+    """Prompts to begin with, under the button where there are no actions to browse."""
+    part = Examples(examples=list(EXAMPLES), sizing_mode="stretch_width", margin=0)
+    follow(part, session.state, ["compose_tab"], lambda: {"visible": session.state.compose_tab == "text"})
+    return part
+
+
+def _constraints(session: Session) -> Constraints:
+    """What is pinned, where the engine can be told."""
+    state, pins = session.state, session.pins
+    part = Constraints(joints=list(JOINTS), sizing_mode="stretch_width", margin=0)
+    tie(part, state, tool="tool", error="pin_error")
+
+    def show() -> dict[str, Any]:
+        return {
+            "items": [list(item) for item in state.pinned.listed(state.fps)],
+            "loop": state.pinned.loop,
+            "ready": state.take() is not None,
+            "visible": "constraints" in state.capabilities,
+        }
+
+    follow(part, state, ["pinned", "fps", "selected", "takes", "capabilities"], show)
+    part.param.watch(lambda event: pins.loop(event.new), "loop")
+    acts = {
+        "pose": lambda _: pins.pose(),
+        "frames": lambda _: pins.frames(),
+        "remove": lambda message: pins.remove(str(message.get("key", ""))),
+        "clear": lambda _: pins.clear(),
+        "path_text": lambda message: pins.path_text(str(message.get("text", ""))),
+        "joint_text": lambda message: pins.joint_text(str(message.get("joint", "")), str(message.get("text", ""))),
+    }
+    for what, act in acts.items():
+        part.on(what, act)
+    return part
+
+
+def _advanced(session: Session) -> pn.Card:
+    """Strength of guidance, best of several, and lengths of bones, where the engine has them."""
+    state = session.state
+    guidance = dressed(
+        pn.widgets.FloatSlider, label="Guidance: how closely the request is followed", start=0.0, end=MAX_GUIDANCE,
+        step=0.1, format="0.0",
+    )  # fmt: skip
+    best = dressed(
+        pn.widgets.IntInput, label="Best of: draws for each take, the best is kept", start=1, end=MAX_BEST_OF
+    )
+    guidance.value, best.value = state.guidance, state.best_of
+    state.param.watch(lambda event: setattr(guidance, "value", event.new), "guidance")
+    guidance.param.watch(lambda event: setattr(state, "guidance", event.new), "value_throttled")
+    tie(best, state, value="best_of")
+    title, body, about = html(), _body(session), html("<p class='hint' style='margin:4px 0 0'>Body proportions</p>")
+    card = fold(title, guidance, best, about, *body)
+
+    def show(*_: Any) -> None:
+        guidance.visible, best.visible = "guidance" in state.capabilities, "best_of" in state.capabilities
+        scaled, more = "scale_bones" in state.capabilities, guidance.visible or best.visible
+        for part in body:
+            part.visible = scaled
+        about.visible = scaled and more
+        card.visible = scaled or more
+        title.object = f"<span class='fold'>{'Advanced' if more else 'Body proportions'}</span>"
+
+    state.param.watch(show, "capabilities")
+    show()
+    return card
 
 
 def action_field(session: Session) -> ActionField:
@@ -108,12 +211,28 @@ def _shape(session: Session) -> pn.Column:
     length.param.watch(asked, "value")
     shown()
     engine, variant = _engine(session)
-    lines = [row(length, count), row(seed, variant)]
+    lines = [row(length, count), row(seed, variant, _style(session), wrap=118)]
     box = column(*lines, gap=10)
     state.param.watch(
         lambda event: setattr(box, "objects", [engine, *lines] if len(event.new) > 1 else lines), "engines"
     )
     return box
+
+
+def _style(session: Session) -> pn.widgets.Select:
+    """In which manner, where the engine has styles."""
+    state = session.state
+    style = dressed(pn.widgets.Select, label="Style", options={"any": ""})
+
+    def show(*_: Any) -> None:
+        known = {"any": "", **{name: name for name in state.styles}}
+        style.param.update(options=known, value=state.style if state.style in known.values() else "")
+        style.visible = "styles" in state.capabilities
+
+    state.param.watch(show, ["styles", "style", "capabilities"])
+    show()
+    style.param.watch(lambda event: setattr(state, "style", event.new or ""), "value")
+    return style
 
 
 def _engine(session: Session) -> tuple[pn.widgets.Select, pn.widgets.Select]:
@@ -144,8 +263,8 @@ _BONES = {
 }
 
 
-def _body(session: Session) -> pn.Card:
-    """Length of bones, where the engine can scale them."""
+def _body(session: Session) -> list[pn.widgets.FloatSlider]:
+    """Length of bones."""
     state = session.state
     sliders = {
         name: dressed(pn.widgets.FloatSlider, label=name, start=0.7, end=1.3, step=0.01, value=1.0, format="0.00")
@@ -160,32 +279,32 @@ def _body(session: Session) -> pn.Card:
     def show(*_: Any) -> None:
         for name, slider in sliders.items():
             slider.value = state.bone_scale.get(_BONES[name][0], 1.0)
-        card.visible = "scale_bones" in state.capabilities
 
-    title = html("<span class='fold'>Body proportions</span>")
-    card = pn.Card(
-        *sliders.values(), header=title, collapsed=True, margin=0, sizing_mode="stretch_width",
-        stylesheets=[read_asset("card.css")],
-    )  # fmt: skip
     for slider in sliders.values():
         slider.param.watch(asked, "value_throttled")
-    state.param.watch(show, ["bone_scale", "capabilities"])
+    state.param.watch(show, "bone_scale")
     show()
-    return card
+    return list(sliders.values())
 
 
-def _generate(session: Session) -> Generate:
+def generate_button(session: Session) -> Generate:
+    """The button and the line under it; not beside the import."""
     state = session.state
     button = Generate(sizing_mode="stretch_width", margin=0)
-    tie(button, state, busy="generating", progress="generate_progress", error="generate_error", count="count")
-    asked = ["action", "frames", "count", "seed", "bone_scale"]
-    known = ["actions", "engine_ready", "generate_error", "fps", "max_frames", "generate_rate"]
+    tie(
+        button, state, busy="generating", progress="generate_progress", error="generate_error", note="generate_note",
+        count="count",
+    )  # fmt: skip
+    asked = ["request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "best_of", "pinned"]
+    known = ["actions", "capabilities", "engine_ready", "generate_error", "fps", "max_frames", "generate_rate"]
 
     def show() -> dict[str, Any]:
         # an unknown action is named under its own field; here only what else stands in the way
-        return {"problem": state.problem(), "forecast": state.forecast(), "named": bool(state.nearest_actions())}
+        named = state.request == "action" and bool(state.nearest_actions())
+        return {"problem": state.problem(), "forecast": state.forecast(), "named": named}
 
     follow(button, state, asked + known, show)
+    follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab != "import"})
     button.on("generate", lambda _: session.generate())
     button.on("cancel", lambda _: session.cancel_generate())
     return button

@@ -19,15 +19,26 @@ def dressed(widget: type, **options: Any) -> Any:
 def column(*items: Any, gap: int = 12, **options: Any) -> pn.Column:
     """Items under one another."""
     options.setdefault("sizing_mode", "stretch_width")
-    return pn.Column(*items, styles={"gap": f"{gap}px"}, margin=0, **options)
+    # Panel's button for scrolling, never shown here, would take up a gap of its own
+    plain = [".scroll-button { display: none; }"]
+    return pn.Column(*items, styles={"gap": f"{gap}px"}, stylesheets=plain, margin=0, **options)
 
 
-def row(*items: Any, gap: int = 8, **options: Any) -> pn.Row:
-    """Items beside one another, of equal width."""
+def row(*items: Any, gap: int = 8, wrap: int = 0, **options: Any) -> pn.Row:
+    """Items beside one another, of equal width; in several lines where each would have fewer than `wrap` pixels."""
     options.setdefault("sizing_mode", "stretch_width")
     for item in items:
-        item.styles = {**item.styles, "flex": "1 1 0", "min-width": "0"}
-    return pn.Row(*items, styles={"gap": f"{gap}px"}, margin=0, **options)
+        item.styles = {**item.styles, "flex": f"1 1 {wrap}px", "min-width": "0"}
+    styles = {"gap": f"{gap}px"} | ({"flex-wrap": "wrap"} if wrap else {})
+    return pn.Row(*items, styles=styles, margin=0, **options)
+
+
+def fold(title: pn.pane.HTML, *items: Any) -> pn.Card:
+    """Items under a title that opens and closes; closed at first."""
+    return pn.Card(
+        *items, header=title, collapsed=True, margin=0,
+        sizing_mode="stretch_width", stylesheets=[read_asset("card.css")],
+    )  # fmt: skip
 
 
 def html(text: str = "", **options: Any) -> pn.pane.HTML:

@@ -8,8 +8,10 @@ from typing import Any
 
 import panel as pn
 
+from studio import tasks
 from studio.quality import measures
 from studio.session import Session
+from studio.settings import GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.forms import column, dressed, html, row
@@ -73,7 +75,7 @@ def _details(session: Session) -> pn.Column:
 
 def describe(take: Take) -> str:
     """Markup on a take: what made it, its quality, how to make it again."""
-    return _made(take) + _quality(take) + _reproduce(take)
+    return _made(take) + _unmet(take) + _quality(take) + _reproduce(take)
 
 
 def _made(take: Take) -> str:
@@ -89,11 +91,28 @@ def _made(take: Take) -> str:
             "Engine": escape(" · ".join(part for part in (drawn.engine, drawn.variant) if part)),
             "Weights": f"{made.weights[:4]}…{made.weights[-4:]}" if made.weights else "",
             "Action": escape(drawn.action),
+            "Prompt": escape(drawn.prompt),
+            "Style": escape(drawn.style),
+            "Pinned": "<br>".join(escape(words) for words in _pinned(drawn, motion.fps)),
             "Seed": f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
             "Length": length,
             "Proportions": escape(scaled),
+            "Guidance": f"{drawn.guidance:g}" if "guidance" in made.parameters else "",
+            "Best of": f"{drawn.best_of}" if drawn.best_of > 1 else "",
         }
     return _section(f"What made {take.title.lower()}", rows)
+
+
+def _pinned(drawn: GenerateSettings, fps: float) -> list[str]:
+    """What was pinned, in words."""
+    words = [text for _key, text in drawn.constraints.listed(fps)]
+    return [*words, "ends as it began"] if drawn.constraints.loop else words
+
+
+def _unmet(take: Take) -> str:
+    """What of it could not be met, as the engine says it."""
+    lines = "".join(f"<p class='fair'>{escape(sentence)}</p>" for sentence in tasks.unmet(take.motion))
+    return f"<section><h4>Not met</h4>{lines}</section>" if lines else ""
 
 
 def _quality(take: Take) -> str:

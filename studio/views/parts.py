@@ -86,6 +86,36 @@ class ActionField(Part):
     _stylesheets = _style("action_field")
 
 
+class Prompt(Part):
+    """The motion in words."""
+
+    value = param.String("")
+    limit = param.Integer(1000)
+    _esm = _script("prompt")
+    _stylesheets = _style("prompt")
+
+
+class Examples(Part):
+    """Prompts that fill the field."""
+
+    examples = param.List([])
+    _esm = _script("examples")
+    _stylesheets = _style("examples")
+
+
+class Constraints(Part):
+    """What is pinned of the motion to come, and what pins it."""
+
+    items = param.List([], doc="(key, words) of everything pinned.")
+    tool = param.String("none", doc="What the mouse draws on the stage: none, path, joint.")
+    loop = param.Boolean(False)
+    ready = param.Boolean(False, doc="There is a take to pin something of.")
+    joints = param.List([], doc="Joints that can be pinned.")
+    error = param.String("")
+    _esm = _script("constraints")
+    _stylesheets = _style("constraints")
+
+
 class ActionGrid(Part):
     """The actions to choose from."""
 
@@ -113,6 +143,7 @@ class Generate(Part):
     named = param.Boolean(False, doc="That is already said above, where the action is typed.")
     forecast = param.String("")
     error = param.String("")
+    note = param.String("", doc="What of the last draw's pins could not be met.")
     count = param.Integer(1)
     _esm = _script("generate")
     _stylesheets = _style("generate")

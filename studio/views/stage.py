@@ -6,6 +6,7 @@ from typing import Any
 
 import panel as pn
 
+from studio.pinning import as_shown
 from studio.session import Session
 from studio.views.binding import follow, tie
 from studio.views.parts import StageBar
@@ -53,14 +54,33 @@ def _player(session: Session, motions: list, names: list[str]) -> Any:
         motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme, playing=True,
         sync_url=True, global_keys=True,
     )  # fmt: skip
-    tie(player, state, theme="theme")
+    tie(player, state, theme="theme", tool="tool")
+    follow(player, state, ["pinned", "fps", "capabilities"], lambda: {"pinned": _pins(session)})
 
     def picked(event: Any) -> None:
         if 0 <= event.new < len(state.shown):
             session.select(state.shown[event.new])
 
+    def moved(event: Any) -> None:
+        state.playhead = event.new / player.motions[0].fps
+
+    def drawn(event: Any) -> None:
+        what = event.new
+        if what.get("kind") == "path":
+            session.pins.path(what["points"])
+        elif what.get("kind") == "joint":
+            session.pins.joint(what["joint"], what["place"], what["frame"] / what["fps"])
+
     player.param.watch(picked, "selected")
+    player.param.watch(moved, "frame")
+    player.param.watch(drawn, "drawn")
     return player
+
+
+def _pins(session: Session) -> dict[str, Any]:
+    """What is pinned, for the player; nothing where the engine is not told of it."""
+    state = session.state
+    return as_shown(state.pinned, state.fps) if "constraints" in state.capabilities else {}
 
 
 def _bar(session: Session) -> StageBar:

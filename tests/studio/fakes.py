@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -68,3 +70,36 @@ class FakeEngine:
 
 
 METRICS = {"foot_skate": 0.05, "jitter": 40.0, "ground_penetration": 0.001}
+
+
+class ConstrainedEngine(FakeEngine):
+    """Takes styles, words and pins too; says of a path that is longer than 5 m that it is followed for 5 m."""
+
+    name = "stand-in"
+    variants = ()
+    styles = ("happy", "old", "tired")
+    capabilities = frozenset({
+        "actions", "styles", "text", "constraints", "guidance", "best_of", "scale_bones",
+    })  # fmt: skip
+
+    def generate_many(self, action, count=4, frames=60, seed=0, progress=None, cancel=None, **told):  # noqa: PLR0917
+        made = super().generate_many(action or "walk", count, frames, seed, progress, cancel, **told)
+        return [self._with(motion, told) for motion in made]
+
+    def _with(self, motion: Motion, told: dict) -> Motion:
+        labels = [Segment(0, len(motion), kind, told[key]) for kind, key in KINDS if told.get(key)]
+        more = {key: told[key] for key in ("style", "prompt", "guidance", "best_of") if key in told}
+        pinned = told.get("constraints")
+        if pinned is not None and pinned.path is not None:
+            points = np.asarray(pinned.path.points)
+            length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+            motion = motion.moved((float(points[0, 0]), 0.0, float(points[0, 1])))
+            if length > 5.0:
+                more["unmet"] = [f"The path is {length:.1f} m long; it is followed for 5.0 m."]
+        made = motion.provenance
+        return motion.replaced(
+            labels=(*labels,) or motion.labels, provenance=replace(made, parameters={**made.parameters, **more})
+        )
+
+
+KINDS: tuple[tuple[Any, str], ...] = (("style", "style"), ("text", "prompt"))

@@ -75,18 +75,35 @@ class Controls:
     arrangement: str = option("side", "Several figures side by side or in one place.", ("side", "overlay"))
     spacing: float = option(1.2, "Metres between figures that stand side by side.", (), (0.0, 20.0))
     selected: int = option(0, "Index of the picked figure; -1 for none.", (), (-1, payload.MAX_ACTORS - 1))
+    tool: str = option(
+        "none",
+        "What the mouse draws on the stage: a path on the floor, or the place of a joint of the picked figure; the "
+        "outcome comes in `drawn`. A path puts the tool down, Escape does too.",
+        ("none", "path", "joint"),
+    )
     controls: str = option("full", "How much there is around the stage.", ("full", "minimal", "none"))
     sync_url: bool = option(False, "Keep the frame in the page's address (#frame=52), and start from it.")
     global_keys: bool = option(False, "Keys work anywhere on the page, not only while the player has the focus.")
     ready: bool = option(False, "Set by the browser once the player is up.")
     error: str = option("", "Set by the browser: why it could not show the motion.")
+    drawn: dict[str, Any] = option(
+        {},
+        "Set by the browser: what the tool drew last, metres in the picked motion's own place. "
+        "`{'kind': 'path', 'points': [[x, z], ...]}` or "
+        "`{'kind': 'joint', 'joint': name, 'place': [x, y, z], 'frame': frame, 'fps': rate}`.",
+    )
+    pinned: dict[str, Any] = option(
+        {},
+        "Shown beside the picked figure and on the ruler: `path` [[x, z]], `poses` [{frame, rotations (J * 4 wxyz), "
+        "root}], `joints` [{joint, frame, place}], `stretches` [[start, end)]; frames at the rate `fps`.",
+    )
     body_data: bytes = option(b"", "The body, encoded; see `payload`.")
     take_data: bytes = option(b"", "The motions, encoded; see `payload`.")
 
 
 OPTIONS: dict[str, Option] = {name: value for name, value in vars(Controls).items() if isinstance(value, Option)}
-FROM_BROWSER = ("ready", "error")
-PAYLOADS = ("body_data", "take_data")
+FROM_BROWSER = ("ready", "error", "drawn")
+PAYLOADS = ("body_data", "take_data", "pinned")
 
 
 class Player(Controls):

@@ -29,6 +29,8 @@ def trait(option: Option) -> traitlets.TraitType:
         made = traitlets.Bytes(default, help=option.doc)
     elif isinstance(default, list):
         made = traitlets.List(traitlets.Int(), default, help=option.doc)
+    elif isinstance(default, dict):
+        made = traitlets.Dict(default_value=default, help=option.doc)
     else:
         made = traitlets.Unicode(default, help=option.doc)
     return made.tag(sync=True)

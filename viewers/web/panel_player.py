@@ -19,7 +19,8 @@ def parameter(option: Option) -> param.Parameter:
     if option.choices:
         return param.Selector(objects=list(option.choices), **common)
     kinds: dict[type, Any] = {bool: param.Boolean, int: param.Integer, float: param.Number, bytes: param.Bytes}
-    kind = kinds.get(type(option.default), param.List if isinstance(option.default, list) else param.String)
+    kinds |= {list: param.List, dict: param.Dict}
+    kind = kinds.get(type(option.default), param.String)
     if option.bounds:
         common["bounds"] = option.bounds
     return kind(**common)

@@ -29,6 +29,7 @@ export function bind(model, player) {
   for (const name of Object.keys(OPTIONS)) on(name, () => player.set(name, model.get(name)));
   on("frame", () => receiveFrame(player, model.get("frame")));
   on("body_data", () => player.setBody(model.get("body_data")));
+  on("pinned", () => player.setPins(model.get("pinned")));
   on("take_data", () => player.setTakes(model.get("take_data")));
   undo.push(sendBack(model, player, send));
   return () => undo.forEach((step) => step());
@@ -41,6 +42,7 @@ function receiveAll(model, player) {
     if (value !== undefined && name !== "playing" && name !== "selection") player.set(name, value);
   }
   player.setTakes(model.get("take_data"));
+  player.setPins(model.get("pinned"));
   player.set("selection", model.get("selection") ?? []);
   player.seek(model.get("frame") ?? 0);
   player.set("playing", model.get("playing") ?? false);
@@ -68,10 +70,14 @@ function sendBack(model, player, send) {
   };
   const onTick = () => { if (performance.now() - last >= SEND_EVERY) sendFrame(); };
   const onOption = ({ detail: { name, value } }) => send({ [name]: value });
+  // told apart by their time, or the same line drawn twice would be no change
+  const onDrawn = ({ detail }) => send({ drawn: { ...detail, time: Date.now() } });
+  player.addEventListener("drawn", onDrawn);
   player.addEventListener("tick", onTick);
   player.addEventListener("settle", sendFrame);
   player.addEventListener("option", onOption);
   return () => {
+    player.removeEventListener("drawn", onDrawn);
     player.removeEventListener("tick", onTick);
     player.removeEventListener("settle", sendFrame);
     player.removeEventListener("option", onOption);

@@ -69,7 +69,8 @@ function fading(age, every) {
   return OPACITY * Math.min(steps, 1) * Math.max(0.12, 1 - steps / (PAST + 1));
 }
 
-class Ghost {
+/** One figure standing still, translucent. */
+export class Ghost {
   constructor(take, body) {
     this.object = new Group();
     this.root = new Vector3();

@@ -28,6 +28,7 @@ export const OPTIONS = {
   arrangement: oneOf("side", "overlay"),
   spacing: number(1.2, 0, 20),
   controls: oneOf("full", "minimal", "none"),
+  tool: oneOf("none", "path", "joint"),
   playing: flag(false),
   speed: number(1, SPEED.min, SPEED.max),
   loop: { ...oneOf(...LOOPS), fallback: "all" },

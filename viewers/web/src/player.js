@@ -6,9 +6,11 @@ import { Clock } from "./clock.js";
 import { coverOf, floorWay } from "./ways.js";
 import { OPTIONS, defaults, same } from "./options.js";
 import { decodeBody, decodeTakes } from "./payload.js";
+import { Pins } from "./pins.js";
 import { BodyGeometry } from "./skin.js";
 import { Stage } from "./stage.js";
 import { resolveTheme } from "./theme.js";
+import { Tools } from "./tools.js";
 
 const DRIFT = 2; // metres figures may drift apart and still be followed as a group
 const LONGEST_ROW = 8; // figures; more stand in two rows
@@ -17,7 +19,8 @@ const CROWD = 4; // more figures than this are drawn with the coarser mesh
 
 /**
  * Events (addEventListener): "option" {name, value} when an option changed by itself or by hand,
- * "tick" for every picture, "settle" when a still frame was reached (pause, step, end of scrubbing), "takes".
+ * "tick" for every picture, "settle" when a still frame was reached (pause, step, end of scrubbing), "takes",
+ * "pins" when what is pinned changed, "drawn" {kind: "path" | "joint", ...} when the tool in hand drew something.
  */
 export class MotionPlayer extends EventTarget {
   constructor(canvas) {
@@ -31,6 +34,9 @@ export class MotionPlayer extends EventTarget {
     this.framed = false;
     this.jumped = false; // sought since the last picture
     this.stage = new Stage(canvas, (elapsed) => this.#advance(elapsed));
+    this.pins = new Pins();
+    this.tools = new Tools(this, canvas); // before the camera, so that it hears the pointer first
+    this.stage.scene.add(this.pins.object, this.tools.dots);
     this.cameraman = new Cameraman(this.stage.camera, canvas, {
       changed: () => this.stage.invalidate(),
       taken: () => this.#handOnCamera(),
@@ -69,8 +75,18 @@ export class MotionPlayer extends EventTarget {
       this.#reframe();
     } else if (this.stage.size && !this.framed) this.#firstLook();
     this.stage.invalidate();
+    if (this.pins.data.poses.length) this.setPins(this.pins.data); // their ghosts wear what the takes wear
     this.#announce("takes");
     this.#announce("settle");
+  }
+
+  /** What is pinned of the motion to come; see `Pins`. */
+  setPins(data) {
+    const skeleton = this.body?.skeleton ?? this.actors[0]?.take.skeleton ?? null;
+    this.pins.theme = this.stage.theme;
+    this.pins.set(data ?? {}, skeleton, this.geometry);
+    this.stage.invalidate();
+    this.#announce("pins");
   }
 
   /** New size of the stage, in CSS pixels; the first one also frames what there is. */
@@ -159,6 +175,7 @@ export class MotionPlayer extends EventTarget {
 
   #apply(name) {
     const { options, clock } = this;
+    if (name === "tool") this.#takeInHand();
     if (name === "playing") this.#playOrPause();
     else if (name === "speed" || name === "loop") clock[name] = options[name];
     else if (name === "selection") this.#select();
@@ -171,6 +188,12 @@ export class MotionPlayer extends EventTarget {
     }
     this.#restyle();
     this.stage.invalidate();
+  }
+
+  // What is drawn lies where the motion is: nothing may be shown elsewhere or move meanwhile.
+  #takeInHand() {
+    if (this.options.tool === "none") return;
+    for (const name of ["playing", "mirror", "in_place"]) this.#option(name, false);
   }
 
   #select() {
@@ -192,6 +215,8 @@ export class MotionPlayer extends EventTarget {
       const state = { ...this.#poseOptions(), selected: i === options.selected, hovered: i === this.hovered, several, overlaid };
       actor.style({ ...state, trail: options.trail, contacts: options.contacts }, this.stage.theme);
     });
+    this.pins.paint(this.stage.theme);
+    this.tools.refresh();
     this.stage.floor.object.visible = options.floor;
     this.restyled = true;
     this.stage.invalidate();
@@ -251,6 +276,10 @@ export class MotionPlayer extends EventTarget {
     for (const actor of this.actors) {
       actor.update(seconds, this.#poseOptions(), this.stage.camera, this.stage.theme, pixels);
     }
+    const picked = this.actors[this.options.selected] ?? this.actors[0];
+    if (picked) this.pins.object.position.copy(picked.object.position);
+    this.pins.order(this.stage.camera);
+    this.tools.update();
   }
 
   /** What the camera follows: the middle of the figures while they stay together, else the picked one. */
@@ -360,6 +389,8 @@ export class MotionPlayer extends EventTarget {
   dispose() {
     this.actors.forEach((actor) => actor.dispose());
     this.geometry?.dispose();
+    this.pins.dispose();
+    this.tools.dispose();
     this.cameraman.dispose();
     this.stage.dispose();
   }

@@ -7,6 +7,7 @@ import { Help } from "./ui/help.js";
 import { listenToKeys } from "./ui/keys.js";
 import { Names } from "./ui/names.js";
 import { Timeline } from "./ui/timeline.js";
+import { ToolHint } from "./ui/hint.js";
 import { Toolbar } from "./ui/toolbar.js";
 import { Transport } from "./ui/transport.js";
 
@@ -37,7 +38,8 @@ export class Widget {
     this.names = new Names(this.player);
     this.transport = new Transport(this.player, commands);
     this.timeline = new Timeline(this.player);
-    this.view.append(this.names.element, this.toolbar.element);
+    this.hint = new ToolHint(this.player);
+    this.view.append(this.names.element, this.toolbar.element, this.hint.element);
     this.frame.append(this.transport.element, this.timeline.element, this.help.element);
     this.undo.unshift(() => this.timeline.dispose());
     this.#listen();
@@ -71,7 +73,7 @@ export class Widget {
     const { player } = this;
     this.paint(player.themeName);
     this.frame.dataset.controls = player.options.controls;
-    for (const part of [this.names, this.toolbar, this.transport, this.timeline]) part.refresh();
+    for (const part of [this.names, this.toolbar, this.hint, this.transport, this.timeline]) part.refresh();
   }
 
   paint(theme) {

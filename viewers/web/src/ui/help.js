@@ -14,6 +14,7 @@ const KEYS = [
   ["0", "frame everything"],
   ["Alt + arrows", "orbit; + and − zoom"],
   ["P", "download a picture"],
+  ["Esc", "put down what the mouse draws with"],
   ["?", "this help"],
 ];
 

@@ -29,7 +29,7 @@ function actions(player, { toolbar, help, screenshot }) {
     "=": () => player.nudgeCamera(0, 0, 0.85),
     "-": () => player.nudgeCamera(0, 0, 1.18),
     "?": () => help.show(!help.open),
-    escape: () => help.show(false),
+    escape: () => (help.open ? help.show(false) : player.set("tool", "none")),
   };
 }
 
@@ -71,7 +71,7 @@ function run(event, table, player, help) {
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey || typesInto(target)) return false;
   if (help.open && key !== "escape" && key !== "?") return false;
-  if (key === "escape" && !help.open) return false;
+  if (key === "escape" && !help.open && player.options.tool === "none") return false;
   if ((key === " " || key === "enter") && target.matches?.("button")) return false; // the button's own key
   if (event.altKey) {
     if (!ORBIT[key]) return false;

@@ -20,6 +20,7 @@ export class Timeline {
     this.playhead = h("div", { class: "playhead", "aria-hidden": "true" });
     this.element = h("div", { class: "timeline", role: "group", "aria-label": "Timeline" }, this.ruler, this.lanes, this.playhead);
     this.#scrubbing();
+    player.addEventListener("pins", () => this.#draw());
     this.observer = new ResizeObserver(() => this.#draw());
     this.observer.observe(this.ruler);
   }
@@ -116,6 +117,9 @@ export class Timeline {
       const text = step < 1 ? (i * step).toFixed(1) : String(i * step);
       context.fillText(i === 0 ? "0 s" : text, ((i * step) / duration) * width + 4, 11);
     }
+    context.fillStyle = style.getPropertyValue("--pin");
+    context.strokeStyle = style.getPropertyValue("--panel");
+    drawPins(context, this.player.pins.data, (seconds) => (seconds / duration) * width, height);
   }
 
   #drawFeet() {
@@ -136,7 +140,11 @@ export class Timeline {
   }
 
   refresh() {
-    const { options, clock } = this.player;
+    const { options, clock, themeName } = this.player;
+    if (themeName !== this.painted) {
+      this.painted = themeName;
+      this.#draw();
+    }
     const [start, end] = clock.selection ?? [];
     this.band.hidden = end === undefined;
     this.band.classList.toggle("active", options.loop === "selection");
@@ -204,6 +212,24 @@ export class Timeline {
 
 function lane(name, className, label, ...children) {
   return h("div", { class: "lane" }, h("span", { class: "lane-name", "aria-hidden": "true" }, name), h("div", { class: className, role: "group", "aria-label": label }, ...children));
+}
+
+// Bars over frames that are kept, a diamond for a pose, a dot for a joint.
+function drawPins(context, { poses, stretches, joints, fps }, x, height) {
+  for (const [start, end] of stretches) context.fillRect(x(start / fps), height - 5, x((end - start) / fps), 4);
+  const inside = ({ frame }) => stretches.some(([start, end]) => frame >= start && frame < end);
+  for (const pose of poses.filter((pose) => !inside(pose))) {
+    const [at, y] = [x((pose.frame + 0.5) / fps), height - 7];
+    context.beginPath();
+    [[0, -6], [5, 0], [0, 6], [-5, 0]].forEach(([dx, dy]) => context.lineTo(at + dx, y + dy));
+    context.fill();
+  }
+  for (const { frame } of joints) {
+    context.beginPath();
+    context.arc(x((frame + 0.5) / fps), height - 7, 3, 0, Math.PI * 2);
+    context.fill();
+    context.stroke(); // seen on a diamond too
+  }
 }
 
 // Calls `move` until the pointer is let go, then `done`.

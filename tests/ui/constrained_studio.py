@@ -1,0 +1,59 @@
+"""The studio with one more engine, a quick stand-in that takes styles, words and pins: `motionloom`'s own arguments.
+
+What the engine is told goes, a line of JSON a draw, to the file that $MOTIONLOOM_TEST_TOLD names.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from engines import Motion, registry
+from engines.loom.constraints import Constraints
+from studio import cli, settings
+from tests.studio.fakes import ConstrainedEngine
+
+NAME = "stand-in"
+
+
+class Telling(ConstrainedEngine):
+    """Writes down what it is told."""
+
+    def generate_many(self, action: str | None, **told: Any) -> list[Motion]:  # type: ignore[override]
+        made = super().generate_many(action, **told)
+        known = {key: value for key, value in told.items() if key not in ("progress", "cancel")}
+        line = {"action": action, **known, "constraints": in_json(told.get("constraints"))}
+        with Path(os.environ["MOTIONLOOM_TEST_TOLD"]).open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+        return made
+
+
+def in_json(constraints: Constraints | None) -> dict[str, Any]:
+    """What was pinned, as far as the tests look at it."""
+    if constraints is None:
+        return {}
+    return {
+        "kept": [
+            [keep.at, len(keep.motion), keep.motion.positions[0, 0].round(4).tolist()] for keep in constraints.kept
+        ],
+        "path": [] if constraints.path is None else np.asarray(constraints.path.points).tolist(),
+        "pins": [[pin.joint, pin.frame, list(pin.position)] for pin in constraints.pins],
+        "loop": constraints.loop,
+    }
+
+
+def main() -> None:
+    """Register the stand-in as the engine a newcomer meets, and start."""
+    known = registry.available
+    registry._ENGINES[NAME] = ("a stand-in", lambda **_options: Telling())
+    registry.available = lambda: {NAME: "a stand-in", **known()}  # type: ignore[method-assign]
+    settings.DEFAULT_ENGINE = NAME
+    cli.main()
+
+
+if __name__ == "__main__":
+    main()
