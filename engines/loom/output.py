@@ -8,7 +8,7 @@ import numpy as np
 from torch import Tensor
 
 from engines.loom.constraints import Constraints, Known
-from engines.loom.representation import LAYOUT, decode
+from engines.loom.representation import decode
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 
@@ -21,11 +21,7 @@ def to_motions(features: Tensor, frames: int, fps: float, known: list[Known] | N
     made = []
     for row, held in enumerate(features.numpy()):
         told = None if known is None else known[row]
-        rows = held[:frames].copy()
-        rows[0, LAYOUT["ground"]], rows[0, LAYOUT["facing"]] = 0.0, (1.0, 0.0)  # by definition
-        placed = np.zeros(frames, dtype=bool) if told is None else told.placed[:frames].copy()
-        placed[0] = True
-        turns, path = decode(rows, placed)
+        turns, path = decode(held[:frames], None if told is None else told.placed[:frames])
         motion = Motion(SMPL22, turns, path, fps)
         if told is not None:
             x, z = (float(value) for value in told.start.ground)

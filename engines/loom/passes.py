@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +13,11 @@ from torch import Tensor
 from engines.errors import OutOfRangeError
 from engines.loom import output
 from engines.loom.constraints import NOTHING, Constraints, Keep, Known, compile_known
-from engines.loom.model import Loom
+from engines.loom.model import Adjust, Loom
 from engines.loom.networks import TEXT_SIZE, Wanted
 from engines.loom.plan import Window, windows
-from engines.loom.representation import LAYOUT, frames_of
+from engines.loom.reach import Reach
+from engines.loom.representation import KNOWN, LAYOUT, frames_of
 from engines.motion import Motion
 
 FPS = 20.0
@@ -109,15 +110,19 @@ class Passes:
         looped = LOOP if how.constraints.loop else 0
         mask = (torch.arange(noise.shape[1]) < frames + looped).expand(count, -1)
         known = self._known(how.constraints, shown, frames, count, request)
+        facts = None if known is None else self._padded_facts(known, noise.shape[1])
+        adjust = [_looped(frames)] if looped else []
+        if facts is not None and bool(KNOWN.read(facts, "joints_known").any()):
+            adjust.append(Reach(self.model, facts, frames))
         made = self.model.sample(
             noise,
             self._wanted(request, window.span, frames + looped, count),
             mask,
-            None if known is None else self._padded_facts(known, noise.shape[1]),
+            facts,
             how.steps,
             how.guidance,
             None if how.start is None else (how.start[0].expand(count, -1, -1), how.start[1]),
-            _looped(frames) if looped else None,
+            _one_after_the_other(adjust),
         )
         motions = output.to_motions(made * self.model.std + self.model.mean, frames, FPS, known)
         if shown is not None:
@@ -170,11 +175,20 @@ class Passes:
         return torch.nn.functional.pad(facts, (0, 0, 0, frames - facts.shape[1]))
 
 
+def _one_after_the_other(adjusts: Sequence[Adjust]) -> Adjust | None:
+    def adjust(x: Tensor, level: float) -> Tensor:
+        for change in adjusts:
+            x = change(x, level)
+        return x
+
+    return adjust if adjusts else None
+
+
 LOOP = 16
 """Frames by which a loop goes on into its own beginning while it is made."""
 
 
-def _looped(frames: int) -> Callable[[Tensor, float], Tensor]:
+def _looped(frames: int) -> Adjust:
     """Make the frames past the end of every estimate those at its beginning: half of either."""
     parts = [LAYOUT[name] for name in ("height", "turns", "velocity", "contacts")]
 

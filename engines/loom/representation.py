@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.linalg import solveh_banded
 from torch import Tensor
 
@@ -108,7 +108,7 @@ def kinematics(turns: Float[Tensor, "*batch J 6"], height: Float[Tensor, "*batch
 
 
 def decode(
-    features: Float[np.ndarray, "T D"], pinned: Float[np.ndarray, " T"] | None = None
+    features: Float[np.ndarray, "T D"], pinned: Bool[np.ndarray, " T"] | None = None
 ) -> tuple[Float[np.ndarray, "T J 4"], Float[np.ndarray, "T 3"]]:
     """Quaternions and root path (as seen from the start) of features (T, D), not normalised.
 
@@ -117,7 +117,25 @@ def decode(
         pinned: (T,) True where place and facing are known and must be kept.
     """
     parts = LAYOUT.split(np.asarray(features, dtype=np.float64))
-    pins = np.zeros(len(features), dtype=bool) if pinned is None else np.asarray(pinned, dtype=bool)
+    yaw, ground = travelled(features, pinned)
+    turns = rotations.matrix_to_quaternion(rotations.rot6d_to_matrix(parts["turns"]))
+    turns[:, 0] = rotations.multiply(rotations.yaw_quaternion(yaw), turns[:, 0])
+    return rotations.continuous(turns), np.stack([ground[:, 0], parts["height"][:, 0], ground[:, 1]], axis=-1)
+
+
+def travelled(
+    features: Float[np.ndarray, "T D"], pinned: Bool[np.ndarray, " T"] | None = None
+) -> tuple[Float[np.ndarray, " T"], Float[np.ndarray, "T 2"]]:
+    """Yaw (T,) and places on the ground (T, 2), as seen from the start, that velocities and places agree on.
+
+    Args:
+        features: (T, D), not normalised; the first frame is the start, whatever it says.
+        pinned: (T,) True where place and facing are known and must be kept.
+    """
+    parts = {name: np.array(part) for name, part in LAYOUT.split(np.asarray(features, dtype=np.float64)).items()}
+    parts["ground"][0], parts["facing"][0] = 0.0, (1.0, 0.0)
+    pins = np.zeros(len(features), dtype=bool) if pinned is None else np.array(pinned, dtype=bool)
+    pins[0] = True
     weight = np.where(pins, 1e6, _FOLLOW)
     turning = np.cumsum(np.concatenate([[0.0], parts["velocity"][1:, 2]]))
     seen = np.arctan2(parts["facing"][:, 1], parts["facing"][:, 0])
@@ -128,9 +146,7 @@ def decode(
     x, z = parts["velocity"][1:, 0], parts["velocity"][1:, 1]
     step = np.stack([cos * x + sin * z, cos * z - sin * x], axis=-1)
     ground = follow(step, parts["ground"], weight)
-    turns = rotations.matrix_to_quaternion(rotations.rot6d_to_matrix(parts["turns"]))
-    turns[:, 0] = rotations.multiply(rotations.yaw_quaternion(yaw), turns[:, 0])
-    return rotations.continuous(turns), np.stack([ground[:, 0], parts["height"][:, 0], ground[:, 1]], axis=-1)
+    return yaw, ground
 
 
 def follow(

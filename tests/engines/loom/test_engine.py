@@ -191,3 +191,16 @@ def test_cancel_and_progress(engine: LoomEngine) -> None:
 def test_nothing_left_to_keep_is_an_error(engine: LoomEngine) -> None:
     with pytest.raises(MotionloomError, match="left to keep"):
         engine.regenerate(movement(20), ["upper body", "lower body"])
+
+
+def test_a_pinned_joint_that_can_be_reached_is(engine: LoomEngine) -> None:
+    free = engine.generate("walk", 40, seed=1)
+    wrist = SMPL22.index("left_wrist")
+    towards = free.positions[20, SMPL22.index("head")] - free.positions[20, wrist]
+    place = free.positions[20, wrist] + 0.15 * towards / np.linalg.norm(towards)
+    pinned = engine.generate("walk", 40, seed=1, constraints=Constraints(pins=(Pin("left_wrist", 20, tuple(place)),)))
+    assert np.linalg.norm(pinned.positions[20, wrist] - place) < 0.03
+    assert np.linalg.norm(free.positions[20, wrist] - place) > 0.1
+    step = np.linalg.norm(np.diff(pinned.positions[:, wrist], axis=0), axis=-1)
+    usual = np.linalg.norm(np.diff(free.positions[:, wrist], axis=0), axis=-1)
+    assert step.max() < usual.max() + 0.1  # no jump where it is pinned
