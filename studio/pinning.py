@@ -128,7 +128,7 @@ def parse_path(text: str) -> tuple[tuple[float, float], ...]:
 
 def _thinned(points: Sequence[Sequence[float]]) -> list[list[float]]:
     """At most so many points as a path may have, millimetres."""
-    step = -(-len(points) // MOST_POINTS) or 1
+    step = -(-len(points) // (MOST_POINTS - 1)) or 1
     kept = [*points[:-1:step], points[-1]] if len(points) > 1 else list(points)
     return [[round(float(value), 3) for value in point] for point in kept]
 

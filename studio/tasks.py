@@ -19,11 +19,11 @@ from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, for
 
 ASKED = {
     "scale_bones": ("bone_scale", "lengths of bones"),
-    "styles": ("style", "a style"),
-    "text": ("prompt", "a prompt"),
-    "guidance": ("guidance", "a strength of guidance"),
-    "best_of": ("best_of", "to draw several and keep the best"),
-    "constraints": ("constraints", "what to pin (poses, frames, a path, joints, a loop)"),
+    "styles": ("style", "style"),
+    "text": ("prompt", "prompt"),
+    "guidance": ("guidance", "strength of guidance"),
+    "best_of": ("best_of", "choice of the best of several"),
+    "constraints": ("constraints", "pins (poses, frames, a path, joints, a loop)"),
 }
 """Capability -> setting that needs it, and what that is in words."""
 _ALWAYS = ("guidance", "best_of")  # numbers that make the motion, whatever an engine's own defaults are
@@ -86,7 +86,7 @@ def told(settings: GenerateSettings, engine: Any) -> dict[str, Any]:
                 extra[name] = value
         elif value != getattr(usual, name):
             raise MotionloomError(
-                f"{engine.name} cannot be told {words}; `motionloom info {engine.name}` shows what it can."
+                f"{engine.name} takes no {words}; `motionloom info {engine.name}` shows what it can do."
             )
     if "bone_scale" in extra:
         extra["bone_scale"] = dict(settings.bone_scale)

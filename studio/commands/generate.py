@@ -1,4 +1,4 @@
-"""`motionloom generate`: motions from an action, written to files."""
+"""`motionloom generate`: motions from an action or from words, written to files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from engines.errors import OutOfRangeError
+from engines.errors import MotionloomError, OutOfRangeError
 from studio.commands.console import (
     CameraOption,
     FpsOption,
@@ -20,6 +20,7 @@ from studio.commands.console import (
     progress_bar,
     settings_from,
 )  # fmt: skip
+from studio.commands.pins import FPS, parse_pins
 from studio.settings import (
     FORMATS,
     VIDEO_FORMATS,
@@ -53,13 +54,27 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     bone_scale: Annotated[
         list[str] | None, typer.Option(metavar="JOINT=FACTOR", help="Longer or shorter bones; may be repeated.")
     ] = None,
+    prompt: Annotated[str | None, typer.Option(metavar="TEXT", help="What is to be seen, in words.")] = None,
+    style: Annotated[str | None, typer.Option(metavar="NAME", help="In which manner; `info ENGINE` lists.")] = None,
+    guidance: Annotated[
+        float | None, typer.Option(metavar="X", help="How closely the request is followed, 0-10.")
+    ] = None,
+    best_of: Annotated[int | None, typer.Option(metavar="N", help="Draw N for each one and keep the best.")] = None,
+    path: Annotated[str | None, typer.Option(metavar='"X,Z X,Z ..."', help="Way on the floor, metres.")] = None,
+    begin_with: Annotated[
+        str | None, typer.Option(metavar="FILE[:FRAMES]", help="Begin with the frames of a file and go on.")
+    ] = None,
+    pose: Annotated[
+        list[str] | None, typer.Option(metavar="FILE:FRAME@FRAME", help="A pose of a file at a frame; repeatable.")
+    ] = None,
+    loop: Annotated[bool, typer.Option("--loop", help="End as it began.")] = False,
     width: WidthOption = None,
     height: HeightOption = None,
     fps: FpsOption = None,
     camera: CameraOption = None,
     list_actions: Annotated[bool, typer.Option("--list-actions", help="Print the actions known, and exit.")] = False,
 ) -> None:
-    """Generate motions of an action and write them.
+    """Generate motions of an action, or of what a prompt says, and write them.
 
     [bold]Examples[/bold]
 
@@ -67,22 +82,30 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom generate jump -o jump.mp4 --camera front
 
+    motionloom generate --prompt "a person walks and waves" --style happy --best-of 4
+
+    motionloom generate walk --path "0,0 0,2 2,3" --begin-with walk.bvh:20 --pose sit.bvh:0@90 --frames 100
+
     motionloom generate --settings take-2.json     (a take from the app, once more)
 
     motionloom generate --list-actions
 
     Paths of the files written are printed, one a line.
     """
+    words_alone = prompt is not None and action is None
     wanted = settings_from(
-        settings, action=action, count=count, frames=frames, seed=seed, take=take, engine=engine, variant=variant,
+        settings, action="" if words_alone else action, prompt=prompt, style=style, guidance=guidance,
+        best_of=best_of, count=count, frames=frames, seed=seed, take=take, engine=engine, variant=variant,
         bone_scale=parse_factors(bone_scale), formats=parse_formats(formats), width=width, height=height, fps=fps,
         camera=camera,
     )  # fmt: skip
     if list_actions:
         _print_actions(wanted.generate)
         return
-    if action is None and settings is None:
-        raise typer.BadParameter("give an ACTION or --settings FILE; --list-actions shows what is known")
+    if action is None and prompt is None and settings is None:
+        raise typer.BadParameter("give an ACTION, --prompt or --settings FILE; --list-actions shows what is known")
+    wanted = wanted.changed(constraints=parse_pins(path, begin_with, pose, loop, wanted.generate.constraints))
+    _fits(wanted.generate)
     wanted, folder, name = _destination(wanted, out, one_by_default=count is None and settings is None)
     _generate_and_write(wanted, folder, name)
     if save_settings is not None:
@@ -103,16 +126,25 @@ def _destination(wanted: Settings, out: Path, one_by_default: bool) -> tuple[Set
     return Settings(recipe, replace(wanted.export, formats=(kind,))), out.parent, name
 
 
+def _fits(recipe: GenerateSettings) -> None:
+    """Is what is pinned within the motion?"""
+    problem = recipe.constraints.problem(recipe.frames, FPS)
+    if problem:
+        raise MotionloomError(problem[:1].lower() + problem[1:])
+
+
 def _generate_and_write(wanted: Settings, folder: Path, name: str | None) -> None:
     from studio import tasks
 
     recipe = wanted.generate
-    with progress_bar(f"generate {recipe.action}") as progress:
+    with progress_bar(f"generate {recipe.subject[:60]}") as progress:
         motions = tasks.generate(recipe, progress)
+    for sentence in dict.fromkeys(sentence for motion in motions for sentence in tasks.unmet(motion)):
+        typer.echo(f"not met: {sentence}", err=True)
     folder.mkdir(parents=True, exist_ok=True)
     first = recipe.take or 1
     for place, motion in enumerate(motions, first):
-        stem = name or f"{tasks.slug(recipe.action)}-seed{recipe.seed}-{place}"
+        stem = name or f"{tasks.slug(recipe.subject)}-seed{recipe.seed}-{place}"
         for kind in wanted.export.formats:
             _write(motion, folder / f"{stem}{ending(kind)}", wanted.export)
 

@@ -46,6 +46,7 @@ def _engine(name: str) -> None:
     from studio import tasks
 
     engine = tasks.load_engine(name)
+    styles = list(getattr(engine, "styles", ()))
     _table(
         {
             "engine": engine.name,
@@ -53,6 +54,7 @@ def _engine(name: str) -> None:
             "description": engine.description,
             "capabilities": ", ".join(sorted(engine.capabilities)),
             "actions": f"{len(engine.actions)}: {', '.join(a.name for a in engine.actions)}",
+            **({"styles": f"{len(styles)}: {', '.join(styles)}"} if styles else {}),
             "rate": f"{engine.fps:g} frames a second, up to {engine.max_frames:,} frames",
             "weights": engine.weights_hash,
             "licence": engine.licence,
@@ -75,6 +77,8 @@ def _file(path: Path) -> None:
     made = motion.provenance
     if made.source:
         rows["made by"] = made.source + (f", seed {made.seed}" if made.seed is not None else "")
+    for sentence in tasks.unmet(motion):
+        rows["not met"] = f"{rows['not met']} {sentence}" if "not met" in rows else sentence
     for measure in measures(tasks.measure(motion)):
         rows[measure.name.lower()] = measure.text
     _table(rows)

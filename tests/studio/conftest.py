@@ -11,7 +11,7 @@ from engines.metrics import physical
 from studio import cli, tasks, thumbnails
 from studio.jobs import JobQueue
 from studio.session import Session
-from tests.studio.fakes import FakeEngine
+from tests.studio.fakes import ConstrainedEngine, FakeEngine
 
 
 @pytest.fixture
@@ -38,8 +38,18 @@ def run(monkeypatch, capsys, tmp_path) -> Callable[..., tuple[int, str, str]]:
 @pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
     """A fake in place of every engine; thumbnails are a word, since pictures have tests of their own."""
-    fake = FakeEngine()
+    return _in_place_of_every_engine(FakeEngine(), monkeypatch)
 
+
+@pytest.fixture
+def constrained(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> ConstrainedEngine:
+    """The same with a fake that takes styles, words and pins."""
+    fake = ConstrainedEngine()
+    _in_place_of_every_engine(fake, monkeypatch)
+    return fake
+
+
+def _in_place_of_every_engine(fake: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
     def load(_name: str, variant: str = "") -> FakeEngine:
         fake.variant = variant or "plain"
         return fake

@@ -84,6 +84,7 @@ class ConstrainedEngine(FakeEngine):
 
     def generate_many(self, action, count=4, frames=60, seed=0, progress=None, cancel=None, **told):  # noqa: PLR0917
         made = super().generate_many(action or "walk", count, frames, seed, progress, cancel, **told)
+        self.calls[-1]["action"] = action
         return [self._with(motion, told) for motion in made]
 
     def _with(self, motion: Motion, told: dict) -> Motion:

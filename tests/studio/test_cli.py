@@ -77,6 +77,70 @@ def test_options_win_over_the_settings_file(run, engine, tmp_path):
     assert engine.calls == [{"action": "walk", "count": 1, "frames": 12, "seed": 9, "bone_scale": {"left_knee": 1.1}}]
 
 
+def test_words_style_and_pins_reach_the_engine(run, constrained, tmp_path):
+    sway(frames=60).write(tmp_path / "walk.npz")
+    code, out, err = run(
+        "generate", "--prompt", "a person walks far", "--style", "old", "--guidance", "3", "--best-of", "2", "-n", "1",
+        "--path", "0,0 0,2 3,6", "--begin-with", "walk.npz:20", "--pose", "walk.npz:30@50", "--loop",
+        "-f", "npz", "--save-settings", "used.json",
+    )  # fmt: skip
+    assert (code, out.split()) == (0, ["a-person-walks-far-seed7-1.npz", "used.json"])
+    assert err == "not met: The path is 7.0 m long; it is followed for 5.0 m.\n"
+    (call,) = constrained.calls
+    told = {key: call[key] for key in ("action", "prompt", "style", "guidance", "best_of")}
+    assert told == {"action": None, "prompt": "a person walks far", "style": "old", "guidance": 3.0, "best_of": 2}
+    given = call["constraints"]
+    assert [(keep.at, len(keep.motion)) for keep in given.kept] == [(0, 20), (50, 1)]
+    np.testing.assert_allclose(given.kept[1].motion.positions[0], sway(frames=60).positions[30], atol=1e-5)
+    assert given.path.points.tolist() == [[0, 0], [0, 2], [3, 6]]
+    assert given.loop
+    again = run("generate", "-s", "used.json", "-o", "again.npz")
+    assert again[0] == 0
+    assert constrained.calls[1]["constraints"].kept[1].motion.rotations.tolist() == (
+        given.kept[1].motion.rotations.tolist()
+    ), "bit for bit"
+    first, second = (engines.read(tmp_path / name) for name in ("a-person-walks-far-seed7-1.npz", "again.npz"))
+    np.testing.assert_array_equal(first.rotations, second.rotations)
+
+
+def test_a_whole_file_is_the_beginning_unless_told(run, constrained, tmp_path):
+    sway(frames=80, fps=40.0).write(tmp_path / "odd:7.npz")
+    assert run("generate", "walk", "--begin-with", "odd:7.npz", "-n", "1")[0] == 0
+    assert [len(keep.motion) for keep in constrained.calls[0]["constraints"].kept] == [40], "at 20 frames a second"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--path", "0,0"], "two or more points"),
+        (["--path", "0,0 0.1,0"], "length of the path is '0.10 m'; accepted: 0.3 m or more"),
+        (["--path", "0,0 x"], "point of the path is 'x'"),
+        (["--begin-with", "none.bvh"], "--begin-with none.bvh: there is no file none.bvh"),
+        (["--begin-with", "walk.npz:0"], "--begin-with walk.npz: frames is 0; accepted: 1 to 60"),
+        (["--begin-with", "walk.npz:60"], "all 60 frames are kept; make the motion longer"),
+        (["--pose", "walk.npz:3"], "--pose is 'walk.npz:3'; accepted: FILE:FRAME@FRAME"),
+        (["--pose", "walk.npz:60@3"], "--pose walk.npz: frame is 60; accepted: 0 to 59"),
+        (["--pose", "walk.npz:6@60"], "lies behind the end of the motion at 3.0 s"),
+        (["--guidance", "11"], "guidance is 11"),
+        (["--best-of", "0"], "best_of is 0; accepted: 1 to 16"),
+    ],
+)
+def test_a_mistaken_pin_is_one_line(run, constrained, tmp_path, arguments, says):
+    sway(frames=60).write(tmp_path / "walk.npz")
+    code, out, err = run("generate", "walk", *arguments)
+    assert (code, out) == (1, "")
+    assert err.startswith("error: ")
+    assert says in err
+    assert err.count("\n") == 1
+
+
+def test_an_engine_that_takes_no_pins_says_so(run, engine):
+    assert run("generate", "walk", "--loop") == (
+        1, "", "error: fake takes no pins (poses, frames, a path, joints, a loop); "
+        "`motionloom info fake` shows what it can do.\n",
+    )  # fmt: skip
+
+
 def test_list_actions_by_group(run, engine):
     code, out, _ = run("generate", "--list-actions")
     assert code == 0
@@ -151,6 +215,18 @@ def test_info_of_an_engine(run, engine):
     for part in ("variants", "walk", "CC0", engine.weights_hash):
         assert part in out
     assert "action2motion" in run("info")[1]
+    assert "styles" not in out
+
+
+def test_info_lists_styles_and_capabilities(run, constrained):
+    out = run("info", "action2motion")[1]
+    assert "3: happy, old, tired" in out
+    assert "actions, best_of, constraints, guidance, scale_bones, styles, text" in out
+
+
+def test_info_of_a_file_tells_what_was_not_met(run, constrained, tmp_path):
+    run("generate", "walk", "--path", "0,0 0,9", "-n", "1", "-o", "far.npz")
+    assert "not met" in run("info", "far.npz")[1]
 
 
 def test_the_command_line_starts_without_torch_and_panel():

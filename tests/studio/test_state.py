@@ -3,7 +3,9 @@ from __future__ import annotations
 import pytest
 
 from engines.actions import VOCABULARY
+from studio.pinned import JointPin, Kept, Pinned
 from studio.state import StudioState
+from tests.studio.fakes import ConstrainedEngine, sway
 
 
 @pytest.fixture
@@ -45,3 +47,54 @@ def test_export_settings_follow_the_controls(state):
     state.param.update(export_format="gif", export_size=(720, 720), export_camera="front")
     asked = state.export_settings()
     assert (asked.formats, asked.width, asked.height, asked.camera) == (("gif",), 720, 720, "front")
+
+
+@pytest.fixture
+def able(state):
+    """The state with an engine that takes styles, words and pins."""
+    state.param.update(
+        capabilities=ConstrainedEngine.capabilities, styles=["happy"], style="happy", guidance=3.0, best_of=2,
+        prompt="  a person\n waves ", max_pinned=200, bone_scale={"left_knee": 1.1},
+        pinned=Pinned(path=((0.0, 0.0), (0.0, 2.0))),
+    )  # fmt: skip
+    return state
+
+
+def test_what_an_engine_cannot_be_told_is_not_asked_of_it(able):
+    able.capabilities = frozenset({"actions"})
+    asked = able.generate_settings()
+    assert (asked.style, asked.prompt, asked.guidance, asked.best_of, asked.bone_scale) == ("", "", 2.0, 1, {})
+    assert not asked.constraints
+
+
+def test_an_action_or_words_are_asked_by_the_tab_last_open(able):
+    asked = able.generate_settings()
+    assert (asked.action, asked.prompt, asked.style, asked.guidance, asked.best_of) == ("walk", "", "happy", 3.0, 2)
+    able.compose_tab = "text"
+    able.compose_tab = "import"
+    asked = able.generate_settings()
+    assert (asked.action, asked.prompt) == ("", "a person waves")
+    assert asked.constraints.length == 2.0
+    assert "the best of 2 each" in able.forecast()
+
+
+def test_an_empty_prompt_is_said_and_the_action_does_not_matter_then(able):
+    able.param.update(compose_tab="text", action="nonsense")
+    assert able.problem() == ""
+    able.prompt = "  "
+    assert able.problem() == "Describe the motion."
+    able.prompt = "a" * 1001
+    assert able.problem() == "A prompt has at most 1,000 letters."
+
+
+def test_pins_that_do_not_fit_the_length_are_said(able):
+    able.frames = 201
+    assert able.problem() == "With something pinned, a motion lasts at most 10 s."
+    able.param.update(frames=40, pinned=Pinned(pins=(JointPin("head", 40, (0, 1.7, 0)),)))
+    assert able.problem() == "The pin of head at 2.0 s lies behind the end of the motion at 2.0 s."
+    able.pinned = Pinned((Kept.of(sway(frames=60), 50, 51, 50, "take 1"),))
+    assert able.problem() == "The pose of take 1 at 2.5 s lies behind the end of the motion at 2.0 s."
+    able.pinned = Pinned((Kept.of(sway(frames=60), 0, 50, 0, "take 1"),))
+    assert able.problem() == "All 40 frames are kept; make the motion longer, or keep fewer."
+    able.frames = 51
+    assert able.problem() == ""
