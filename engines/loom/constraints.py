@@ -18,7 +18,7 @@ from torch import Tensor
 from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.features.codec import Start
 from engines.loom.known import PARTS, Masks
-from engines.loom.representation import JOINTS, KNOWN, LAYOUT, Frames, frames_of
+from engines.loom.representation import ALONG, FREE, HELD, JOINTS, KNOWN, LAYOUT, Frames, frames_of
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 
@@ -90,8 +90,8 @@ class Known:
 
     facts: Tensor
     """(T, K) as `KNOWN` has it."""
-    placed: np.ndarray
-    """(T,) bool: place on the floor is known."""
+    held: np.ndarray
+    """(T, 2) how much place and facing count against velocity (`representation.travelled`)."""
     start: Start
     """Where in the world the first frame is."""
     unmet: list[str] = field(default_factory=list)
@@ -137,7 +137,7 @@ def compile_known(  # noqa: PLR0913, PLR0917 - how the network is told is the mo
         KNOWN.read(facts, f"{name}_known")[...] = mask if name == "turns" else mask[..., None]
     KNOWN.read(facts, "joints")[...] = joints
     KNOWN.read(facts, "joints_known")[...] = masks.joints[0]
-    return Known(torch.from_numpy(facts), masks.ground[0], start, unmet)
+    return Known(torch.from_numpy(facts), _held(masks, path is not None), start, unmet)
 
 
 def _fitted(keep: Keep, frames: int, fps: float, unmet: list[str]) -> tuple[Keep, Frames]:
@@ -248,6 +248,14 @@ def _follow(path: tuple[np.ndarray, np.ndarray], raw: np.ndarray, masks: Masks, 
     free = ~masks.ground[0, at]
     LAYOUT.read(raw, "ground")[at[free]] = _seen(points[free], start)
     masks.ground[0, at] = True
+
+
+def _held(masks: Masks, along: bool) -> np.ndarray:
+    """(T, 2) from what is known: frames of a path may be left a little, kept ones not."""
+    posed = masks.turns[0].any(axis=-1) & masks.height[0]
+    ground = np.where(masks.ground[0], np.where(posed | (not along), HELD, ALONG), FREE)
+    ground[np.flatnonzero(masks.ground[0])[-1:]] = HELD  # a path is walked to its end
+    return np.stack([ground, np.where(masks.facing[0], HELD, FREE)], axis=-1)
 
 
 def _pin(pin: Pin, joints: np.ndarray, masks: Masks, start: Start, unmet: list[str]) -> None:

@@ -21,7 +21,7 @@ def to_motions(features: Tensor, frames: int, fps: float, known: list[Known] | N
     made = []
     for row, held in enumerate(features.numpy()):
         told = None if known is None else known[row]
-        turns, path = decode(held[:frames], None if told is None else told.placed[:frames])
+        turns, path = decode(held[:frames], None if told is None else told.held[:frames])
         motion = Motion(SMPL22, turns, path, fps)
         if told is not None:
             x, z = (float(value) for value in told.start.ground)

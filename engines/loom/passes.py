@@ -17,7 +17,7 @@ from engines.loom.model import Adjust, Loom
 from engines.loom.networks import TEXT_SIZE, Wanted
 from engines.loom.plan import Window, windows
 from engines.loom.reach import Reach
-from engines.loom.representation import KNOWN, LAYOUT, frames_of
+from engines.loom.representation import LAYOUT, frames_of
 from engines.motion import Motion
 
 FPS = 20.0
@@ -112,8 +112,8 @@ class Passes:
         known = self._known(how.constraints, shown, frames, count, request)
         facts = None if known is None else self._padded_facts(known, noise.shape[1])
         adjust = [_looped(frames)] if looped else []
-        if facts is not None and bool(KNOWN.read(facts, "joints_known").any()):
-            adjust.append(Reach(self.model, facts, frames))
+        if known is not None and facts is not None and how.constraints.pins:
+            adjust.append(Reach(self.model, facts, known[0].held))
         made = self.model.sample(
             noise,
             self._wanted(request, window.span, frames + looped, count),

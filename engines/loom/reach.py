@@ -32,10 +32,11 @@ class Reach:
     Args:
         model: gives the scale of the features.
         known: (B, T, K) with joints that are known.
-        frames: of the motion, without padding.
+        held: (T, 2) how much place and facing count (`representation.travelled`); T frames without padding.
     """
 
-    def __init__(self, model: Loom, known: Tensor, frames: int) -> None:
+    def __init__(self, model: Loom, known: Tensor, held: np.ndarray) -> None:
+        frames = len(held)
         self.mean, self.std = model.mean, model.std
         mask = KNOWN.read(known, "joints_known")[:, :frames] > 0
         self.at = mask.any(-1).any(0).nonzero()[:, 0]  # (P,) frames with a pin
@@ -49,7 +50,7 @@ class Reach:
         self.weight = weight.square() / weight.sum(1, keepdim=True).clamp_min(1e-6)
         self.weight[self.at] = torch.eye(len(self.at))
         self.frames = frames
-        self.placed = (KNOWN.read(known, "ground_known")[:, :frames, 0] > 0).numpy()
+        self.held = held
 
     def __call__(self, x: Tensor, level: float) -> Tensor:
         """Estimates (B, T, D), normalised, with the pinned joints brought near."""
@@ -71,7 +72,7 @@ class Reach:
     def _stands(self, x: Tensor) -> tuple[Tensor, Tensor]:
         """Where the bodies will be and face at the pinned frames: places (B, P, 2) and facing (B, P, 2)."""
         rows = (x[:, : self.frames] * self.std + self.mean).numpy()
-        found = [travelled(row, placed) for row, placed in zip(rows, self.placed, strict=True)]
+        found = [travelled(row, self.held) for row in rows]
         yaw, ground = (torch.from_numpy(np.stack(part)).float()[:, self.at] for part in zip(*found, strict=True))
         return ground, torch.stack([yaw.cos(), yaw.sin()], dim=-1)
 

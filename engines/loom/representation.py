@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from scipy.linalg import solveh_banded
 from torch import Tensor
 
@@ -42,8 +42,10 @@ KNOWN = Layout((
 TOLD = ("turns", "height", "ground", "facing", "joints")
 """Parts of `KNOWN` that hold values; each has its mask."""
 
-_FOLLOW = 0.02
-"""How much place counts against velocity when both are brought together: drift is gone after some 7 frames."""
+FREE, ALONG, HELD = 1e-3, 0.15, 1e6
+"""How much place counts against velocity when both are brought together: where nothing is known it only stops drift
+(over some 30 frames), for places are less steady than velocities and feet would slide; along a path a body sways to
+either side, over some 3 frames; kept frames are kept."""
 
 
 @dataclass(frozen=True)
@@ -108,45 +110,43 @@ def kinematics(turns: Float[Tensor, "*batch J 6"], height: Float[Tensor, "*batch
 
 
 def decode(
-    features: Float[np.ndarray, "T D"], pinned: Bool[np.ndarray, " T"] | None = None
+    features: Float[np.ndarray, "T D"], held: Float[np.ndarray, "T 2"] | None = None
 ) -> tuple[Float[np.ndarray, "T J 4"], Float[np.ndarray, "T 3"]]:
     """Quaternions and root path (as seen from the start) of features (T, D), not normalised.
 
     Args:
         features: as `LAYOUT` has it.
-        pinned: (T,) True where place and facing are known and must be kept.
+        held: as in `travelled`.
     """
     parts = LAYOUT.split(np.asarray(features, dtype=np.float64))
-    yaw, ground = travelled(features, pinned)
+    yaw, ground = travelled(features, held)
     turns = rotations.matrix_to_quaternion(rotations.rot6d_to_matrix(parts["turns"]))
     turns[:, 0] = rotations.multiply(rotations.yaw_quaternion(yaw), turns[:, 0])
     return rotations.continuous(turns), np.stack([ground[:, 0], parts["height"][:, 0], ground[:, 1]], axis=-1)
 
 
 def travelled(
-    features: Float[np.ndarray, "T D"], pinned: Bool[np.ndarray, " T"] | None = None
+    features: Float[np.ndarray, "T D"], held: Float[np.ndarray, "T 2"] | None = None
 ) -> tuple[Float[np.ndarray, " T"], Float[np.ndarray, "T 2"]]:
     """Yaw (T,) and places on the ground (T, 2), as seen from the start, that velocities and places agree on.
 
     Args:
         features: (T, D), not normalised; the first frame is the start, whatever it says.
-        pinned: (T,) True where place and facing are known and must be kept.
+        held: (T, 2) how much place and how much facing count: `FREE`, `ALONG` or `HELD`; free if not given.
     """
     parts = {name: np.array(part) for name, part in LAYOUT.split(np.asarray(features, dtype=np.float64)).items()}
     parts["ground"][0], parts["facing"][0] = 0.0, (1.0, 0.0)
-    pins = np.zeros(len(features), dtype=bool) if pinned is None else np.array(pinned, dtype=bool)
-    pins[0] = True
-    weight = np.where(pins, 1e6, _FOLLOW)
+    weight = np.full((len(features), 2), FREE) if held is None else np.array(held, dtype=np.float64)
+    weight[0] = HELD
     turning = np.cumsum(np.concatenate([[0.0], parts["velocity"][1:, 2]]))
     seen = np.arctan2(parts["facing"][:, 1], parts["facing"][:, 0])
     # the turn nearest to what the velocities add up to, so that whole turns are counted
     target = turning + np.angle(np.exp(1j * (seen - turning)))
-    yaw = follow(parts["velocity"][1:, 2:3], target[:, None], weight)[:, 0]
+    yaw = follow(parts["velocity"][1:, 2:3], target[:, None], weight[:, 1])[:, 0]
     cos, sin = np.cos(yaw[:-1]), np.sin(yaw[:-1])
     x, z = parts["velocity"][1:, 0], parts["velocity"][1:, 1]
     step = np.stack([cos * x + sin * z, cos * z - sin * x], axis=-1)
-    ground = follow(step, parts["ground"], weight)
-    return yaw, ground
+    return yaw, follow(step, parts["ground"], weight[:, 0])
 
 
 def follow(

@@ -108,7 +108,7 @@ def test_a_path_is_followed(engine: LoomEngine) -> None:
     root = motion.positions[:, 0, [0, 2]]
     assert np.abs(root[[0, -1]] - points[[0, -1]]).max() < 0.02
     assert np.linalg.norm(root - points[1], axis=1).min() < 0.1
-    assert "unmet" not in motion.provenance.parameters
+    assert "unmet" not in motion.provenance.parameters, motion.provenance
 
 
 def test_a_pin_that_is_missed_is_said(engine: LoomEngine) -> None:

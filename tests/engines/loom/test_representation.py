@@ -9,7 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engines.loom.passes import Passes
-from engines.loom.representation import LAYOUT, decode, follow, frames_of, from_start, joints_from_start, kinematics
+from engines.loom.representation import (
+    FREE,
+    HELD,
+    LAYOUT,
+    decode,
+    follow,
+    frames_of,
+    from_start,
+    joints_from_start,
+    kinematics,
+)
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 from tests.engines.action2motion.tiny import movement
@@ -66,10 +76,10 @@ def test_follow_is_the_least_squares_path(frames: int, seed: int) -> None:
 def test_pinned_places_are_kept_whatever_the_velocities_say() -> None:
     rows = features(movement(30))
     rows[:, LAYOUT["velocity"]] = 0.0
-    pinned = np.zeros(30, dtype=bool)
-    pinned[[0, 17]] = True
-    _, path = decode(rows, pinned)
-    np.testing.assert_allclose(path[pinned][:, [0, 2]], rows[pinned][:, LAYOUT["ground"]], atol=1e-3)
+    held = np.full((30, 2), FREE)
+    held[[0, 17]] = HELD
+    _, path = decode(rows, held)
+    np.testing.assert_allclose(path[[0, 17]][:, [0, 2]], rows[[0, 17]][:, LAYOUT["ground"]], atol=1e-3)
 
 
 def test_whole_turns_are_counted() -> None:
