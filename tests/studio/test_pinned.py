@@ -110,7 +110,8 @@ def test_an_engine_is_told_only_what_it_can_be_told():
     ("asked", "words"),
     [
         ({"style": "old"}, "takes no style"), ({"prompt": "hop"}, "takes no prompt"),
-        ({"best_of": 2}, "best of several"), ({"guidance": 3.0}, "guidance"), ({"constraints": Pinned(loop=True)}, "takes no pins"),
+        ({"best_of": 2}, "best of several"), ({"guidance": 3.0}, "guidance"),
+        ({"constraints": Pinned(loop=True)}, "takes no pins"),
     ],
 )  # fmt: skip
 def test_what_it_cannot_be_told_is_not_silently_left_out(asked, words):

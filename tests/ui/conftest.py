@@ -11,6 +11,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -38,14 +39,35 @@ def free_port() -> int:
 @pytest.fixture(scope="session")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """`motionloom studio` as a person starts it."""
+    with serving("studio.cli", tmp_path_factory.mktemp("studio")) as url:
+        yield url
+
+
+@pytest.fixture(scope="session")
+def told(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file to which the stand-in writes what it is told."""
+    return tmp_path_factory.mktemp("told") / "told.jsonl"
+
+
+@pytest.fixture(scope="session")
+def constrained_address(tmp_path_factory: pytest.TempPathFactory, told: Path) -> Iterator[str]:
+    """The same with a quick stand-in for an engine, which takes styles, words and pins."""
+    folder = tmp_path_factory.mktemp("constrained")
+    with serving("tests.ui.constrained_studio", folder, {"MOTIONLOOM_TEST_TOLD": str(told)}) as url:
+        yield url
+
+
+@contextmanager
+def serving(module: str, folder: Path, more: dict[str, str] | None = None) -> Iterator[str]:
+    """A studio in a process of its own; at the end nothing may have gone wrong in it or be left of it."""
     port = free_port()
-    folder = tmp_path_factory.mktemp("studio")
     log = folder / "server.log"
-    command = [sys.executable, "-m", "studio.cli", "studio", "--port", str(port), "--no-browser"]
+    command = [sys.executable, "-m", module, "studio", "--port", str(port), "--no-browser"]
     with log.open("w") as out:
         server = subprocess.Popen(
-            command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, env=os.environ | {"TMPDIR": str(folder)}
-        )
+            command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT,
+            env=os.environ | {"TMPDIR": str(folder)} | (more or {}),
+        )  # fmt: skip
     url = f"http://127.0.0.1:{port}/"
     try:
         wait_for(lambda: server.poll() is not None or _answers(url), "the server to answer")
