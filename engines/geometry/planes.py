@@ -62,7 +62,7 @@ def place(bones: Float[Tensor, "3 J N"], parents: tuple[int, ...]) -> Float[Tens
 
 
 def from_rot6d(columns: Float[Tensor, " 6 *many"]) -> Float[Tensor, "3 3 *many"]:
-    """Two columns (6, ...), not necessarily orthonormal -> rotations (3, 3, ...), by Gram-Schmidt (Zhou et al. 2019)."""
+    """Two columns (6, ...), not quite orthonormal -> rotations (3, 3, ...), by Gram-Schmidt (Zhou et al. 2019)."""
     x, y, z = columns[:3]
     inverse = (x * x + y * y + z * z).clamp(min=1e-8).rsqrt()
     x, y, z = x * inverse, y * inverse, z * inverse
