@@ -58,8 +58,9 @@ def _of_texts(results: Results, mean: str) -> list[str]:
         "FID compares with held-out real clips drawn with replacement, the same draw for all rows of a repeat; "
         f"`{REAL}` are the real motions of the very sentences.",
         f"Diversity: {TEXT2MOTION.diversity_pairs} pairs. Multimodality: {basis['sentences with many']} sentences, "
-        f"{TEXT2MOTION.motions_a_prompt} motions each, {TEXT2MOTION.multimodality_pairs} pairs a sentence. Physical "
-        f"measures: the first {PHYSICAL} motions of each repeat.",
+        f"{TEXT2MOTION.motions_a_prompt} motions each, {TEXT2MOTION.multimodality_pairs} pairs a sentence; there "
+        "is no real value to be near, and the papers count more as better. Physical measures: the first "
+        f"{PHYSICAL} motions of each repeat.",
         "Sentences are captions from the grammar (and people's own), drawn with a seed that nothing was trained on; "
         "the grammar itself is that of the training captions.",
     ]

@@ -92,7 +92,7 @@ ACTION2MOTION: Sequence[Published] = (
 TEXT2MOTION: Sequence[Published] = (
     *_rows("HumanML3D", "Text2Motion, table 2", """
         Real motions                |.511±.003|.703±.003|.797±.002|.002±.000|2.974±.008|9.503±.065|-
-        Text2Motion (w/ real length)|.457±.002|.639±.003|.740±.003|1.067±.002|3.340±.008|9.188±.002|2.090±.083
+        Text2Motion, real length    |.457±.002|.639±.003|.740±.003|1.067±.002|3.340±.008|9.188±.002|2.090±.083
         Text2Motion                 |.455±.003|.636±.003|.736±.002|1.087±.021|3.347±.008|9.175±.083|2.219±.074
     """, TEXT_COLUMNS),
     *_rows("HumanML3D", "thesis, table 6.2", """
@@ -100,7 +100,7 @@ TEXT2MOTION: Sequence[Published] = (
     """, TEXT_COLUMNS),
     *_rows("KIT-ML", "Text2Motion, table 3", """
         Real motions                |.424±.005|.649±.006|.779±.006|.031±.004|2.788±.012|11.08±.097|-
-        Text2Motion (w/ real length)|.370±.005|.569±.007|.693±.007|2.770±.109|3.401±.008|10.91±.119|1.482±.065
+        Text2Motion, real length    |.370±.005|.569±.007|.693±.007|2.770±.109|3.401±.008|10.91±.119|1.482±.065
         Text2Motion                 |.361±.006|.559±.007|.681±.007|3.022±.107|3.488±.028|10.72±.145|2.052±.107
     """, TEXT_COLUMNS),
     *_rows("KIT-ML", "thesis, table 6.2", """
@@ -111,7 +111,7 @@ TEXT2MOTION: Sequence[Published] = (
 
 PAPERS: dict[str, Papers] = {
     "action2motion": Papers("Action2Motion's protocol", COLUMNS, ACTION2MOTION, "“w/ Lie” is the variant `lie`."),
-    "text2motion": Papers("Text2Motion's protocol", TEXT_COLUMNS, TEXT2MOTION, "“w/ real length”: made as long as the "
+    "text2motion": Papers("Text2Motion's protocol", TEXT_COLUMNS, TEXT2MOTION, "“Real length”: made as long as the "
                           "real motion, which is how engines are asked here."),
 }  # fmt: skip
 """By the name a protocol has in the basis of an evaluation."""

@@ -71,15 +71,15 @@ class Metric:
 
 
 METRICS: Mapping[str, Metric] = {
-    "fid": Metric("FID", "lower"),
-    "accuracy_top1": Metric("Accuracy", "higher"),
-    "accuracy_top5": Metric("Accuracy top 5", "higher"),
-    "diversity": Metric("Diversity", "like real"),
-    "multimodality": Metric("Multimodality", "like real"),
     "r_precision_top1": Metric("R-precision top 1", "higher"),
     "r_precision_top2": Metric("R-precision top 2", "higher"),
     "r_precision_top3": Metric("R-precision top 3", "higher"),
+    "fid": Metric("FID", "lower"),
+    "accuracy_top1": Metric("Accuracy", "higher"),
+    "accuracy_top5": Metric("Accuracy top 5", "higher"),
     "multimodal_distance": Metric("Multimodal distance", "lower"),
+    "diversity": Metric("Diversity", "like real"),
+    "multimodality": Metric("Multimodality", "like real"),
     "bleu1": Metric("BLEU@1", "higher"),
     "bleu4": Metric("BLEU@4", "higher"),
     "rouge_l": Metric("ROUGE-L", "higher"),

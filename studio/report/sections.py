@@ -206,7 +206,7 @@ def _most_confused(shares: np.ndarray, bench: ActionBench) -> str:
 def _heading(name: str) -> str:
     metric = METRICS[name]
     unit = f"<br>{text(metric.unit)}" if metric.unit else ""
-    return f"{text(metric.title)} {metric.arrow}{unit}"
+    return f"{text(metric.title)}&nbsp;{metric.arrow}{unit}"
 
 
 def _cell(estimate: Estimate | None, best: bool) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from engines import text
+from engines import datasets, text
 from engines.datasets import Clip
 from engines.datasets.captions import captions, encoded
 from engines.errors import Cancelled, CheckpointError, OutOfRangeError, UnknownLabelError
@@ -170,3 +170,31 @@ def test_measures_of_who_knows_all_and_of_who_knows_nothing() -> None:
     assert found.sides == 1.0 and found.sided > 50
     assert 0.2 < blind.sides < 0.8
     assert train_co_embedding.measure(wrong, known, repeats=1).sides == 0.0  # pyright: ignore[reportArgumentType]
+
+
+@pytest.fixture
+def held_out() -> list[Clip]:
+    if not (datasets.cache_folder() / f"house-v{datasets.VERSION}.npz").is_file():
+        pytest.skip("no prepared data: motionloom data prepare")
+    return datasets.load("test")
+
+
+@pytest.mark.data
+def test_the_shipped_one_on_held_out_clips(held_out) -> None:
+    found = train_co_embedding.measure(co_embedding.load(), held_out[::4], repeats=5)
+    assert found.figures["r_precision_top1"].mean > 0.72
+    assert found.figures["r_precision_top3"].mean > 0.95
+    assert found.figures["motion_r_precision_top1"].mean > 0.70
+    assert found.sides > 0.97
+
+
+@pytest.mark.data
+@pytest.mark.parametrize(("action", "sentence"), [
+    ("raise left hand", "the left arm goes up in the air"), ("raise right hand", "the right arm goes up in the air"),
+    ("wave left hand", "he waves hello using his left hand"), ("turn right", "walks, then makes a right turn"),
+])  # fmt: skip
+def test_the_shipped_one_tells_sides_in_words_of_its_own(held_out, action, sentence) -> None:
+    judge = co_embedding.load()
+    points = judge.motions([clip.motion for clip in held_out if clip.action == action])
+    here, there = judge.texts([sentence, mirror_words(sentence)])
+    assert (points @ here > points @ there).mean() > 0.9
