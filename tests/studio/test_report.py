@@ -149,7 +149,7 @@ def test_a_page_about_sentences(tmp_path, monkeypatch) -> None:
     sentences = [prompt.sentence for prompt in bench.prompts(0)]
     assert all(f">{sentence}</button>" in shown for sentence in sentences[:6])
     assert sentences[6] not in re.sub(r"<svg.*?</svg>", "", shown, flags=re.DOTALL)
-    assert "R-precision top 1 ↑" in shown and "By action" not in shown and "Confusion" not in shown
+    assert "R-precision top 1&nbsp;↑" in shown and "By action" not in shown and "Confusion" not in shown
     assert "Guo" not in shown and ">TM2T</th>" in shown
     assert json.loads(re.findall(r'id="values">(.*?)</script>', found, re.DOTALL)[0])["takes"]
     assert len(SVG.findall(found)) == 2 if maps.can_neighbours() else 1
