@@ -301,14 +301,15 @@ class Session:
 
 def _note(motions: list) -> str:
     """One line on what of the things pinned could not be met."""
-    said = [sentence for motion in motions for sentence in dict.fromkeys(tasks.unmet(motion))]
+    each = [tasks.unmet(motion) for motion in motions]
+    said = next(filter(None, each), [])
     if not said:
         return ""
-    touched = sum(bool(tasks.unmet(motion)) for motion in motions)
-    which = "" if touched == len(motions) else f"In {touched} of {len(motions)} takes: "
-    others = len(set(said)) - 1
-    more = f" And {others} more; see Details." if others else ""
-    return f"{which}{said[0]}{more}"
+    more = f" And {len(said) - 1} more." if len(said) > 1 else ""
+    if all(other == said for other in each):
+        return said[0] + more
+    touched = sum(map(bool, each))
+    return f"{said[0]}{more} So in {touched} of {len(motions)} takes, more or less; see Details."
 
 
 def _draw(asked: GenerateSettings, progress, cancel) -> tuple[GenerateSettings, list, list, float]:

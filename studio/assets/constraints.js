@@ -6,7 +6,11 @@ export function render(part) {
     const count = h("span", {class: "count", hidden: true})
     const head = h("button", {class: `head ${small ? "small" : ""}`, type: "button", "aria-expanded": String(open)}, icon("down"), text, count)
     body.hidden = !open
-    head.addEventListener("click", () => { body.hidden = !body.hidden; head.setAttribute("aria-expanded", String(!body.hidden)) })
+    head.addEventListener("click", () => {
+      body.hidden = !body.hidden
+      head.setAttribute("aria-expanded", String(!body.hidden))
+      if (!body.hidden) inSight(body)
+    })
     return {head, count, open: () => { if (body.hidden) head.click() }}
   }
   const tools = h("div", {class: "tools", role: "group", "aria-label": "Pin"})
@@ -20,7 +24,7 @@ export function render(part) {
   const body = h("div", {class: "body"}, tools, list, h("div", {class: "row"}, h("label", {for: "loop", class: "check"}, loop, "Loop: end as it began"), clear), fault, typed.head, numbers, told)
   const whole = fold("Constraints", window.innerHeight >= 860, body)
   mount(part, [h("section", {class: "fold", "aria-label": "Constraints"}, whole.head, body)])
-  model.on("items", () => { if (model.items.length) whole.open() })
+  model.on("items", () => { if (model.items.length) whole.open(); inSight(list) })
   watch(model, ["items", "tool", "loop", "ready", "error"], () => {
     const count = model.items.length + Number(model.loop)
     const act = (what, text, title) => h("button", {class: "btn", type: "button", "data-key": what, disabled: !model.ready, title, onclick: () => send(what)}, icon(what), text)
@@ -43,6 +47,10 @@ export function render(part) {
     told.textContent = count ? `${count} pinned: ${[...model.items.map(([, text]) => text), ...(model.loop ? ["loop"] : [])].join("; ")}` : "Nothing pinned"
     redraw(fault, model.error && h("p", {class: "fault"}, model.error))
   })
+}
+/** As much of it as there is room for, once it is drawn. */
+function inSight(node) {
+  requestAnimationFrame(() => node.scrollIntoView({block: "nearest"}))
 }
 /** A path and a joint's place, typed. */
 function byNumbers(model, send) {

@@ -78,7 +78,7 @@ def _prompt(session: Session) -> Prompt:
 
 def examples(session: Session) -> Examples:
     """Prompts to begin with, under the button where there are no actions to browse."""
-    part = Examples(examples=list(EXAMPLES), sizing_mode="stretch_width", margin=0)
+    part = Examples(examples=list(EXAMPLES), sizing_mode="stretch_both", margin=0)
     follow(part, session.state, ["compose_tab"], lambda: {"visible": session.state.compose_tab == "text"})
     return part
 
@@ -116,12 +116,10 @@ def _advanced(session: Session) -> pn.Card:
     """Strength of guidance, best of several, and lengths of bones, where the engine has them."""
     state = session.state
     guidance = dressed(
-        pn.widgets.FloatSlider, label="Guidance: how closely the request is followed", start=0.0, end=MAX_GUIDANCE,
+        pn.widgets.FloatSlider, label="Guidance (0: freely, 10: to the letter)", start=0.0, end=MAX_GUIDANCE,
         step=0.1, format="0.0",
     )  # fmt: skip
-    best = dressed(
-        pn.widgets.IntInput, label="Best of: draws for each take, the best is kept", start=1, end=MAX_BEST_OF
-    )
+    best = dressed(pn.widgets.IntInput, label="Best of: draws for each take", start=1, end=MAX_BEST_OF)
     guidance.value, best.value = state.guidance, state.best_of
     state.param.watch(lambda event: setattr(guidance, "value", event.new), "guidance")
     guidance.param.watch(lambda event: setattr(state, "guidance", event.new), "value_throttled")
