@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import torch
 from jaxtyping import Float
@@ -25,7 +25,7 @@ class Gaussian(NamedTuple):
         return self.mean + torch.exp(0.5 * self.logvar) * noise
 
 
-def convolution(inputs: int, outputs: int, stride: int = 1, mode: str = "reflect") -> nn.Conv1d:
+def convolution(inputs: int, outputs: int, stride: int = 1, mode: Literal["reflect", "zeros"] = "reflect") -> nn.Conv1d:
     """Three frames wide, as long as its input (or half of it)."""
     return nn.Conv1d(inputs, outputs, 3, stride, padding=1, padding_mode=mode)
 
