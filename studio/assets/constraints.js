@@ -2,13 +2,17 @@
 export function render(part) {
   const {model} = part
   const send = (what, more = {}) => model.send_msg({do: what, ...more})
-  const fold = (text, open, body, small) => {
+  // of the page, not of this drawing: a panel drawn anew is as open as it was
+  const folds = window.motionloomFolds ??= new Map()
+  const fold = (text, atFirst, body, small) => {
+    const open = folds.get(text) ?? atFirst
     const count = h("span", {class: "count", hidden: true})
     const head = h("button", {class: `head ${small ? "small" : ""}`, type: "button", "aria-expanded": String(open)}, icon("down"), text, count)
     body.hidden = !open
     head.addEventListener("click", () => {
       body.hidden = !body.hidden
       head.setAttribute("aria-expanded", String(!body.hidden))
+      folds.set(text, !body.hidden)
       if (!body.hidden) inSight(body)
     })
     return {head, count, open: () => { if (body.hidden) head.click() }}

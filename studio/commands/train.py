@@ -93,6 +93,75 @@ def loom(  # noqa: PLR0913, PLR0917 (one parameter an option)
         tell(state, run, export, which, train.export)
 
 
+@app.command("tm2t")
+def tm2t(  # noqa: PLR0913, PLR0917 (one parameter an option)
+    run: RunOption,
+    stage: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="vq (motion tokens), m2t (motion to text) or t2m (text to motion)."),
+    ] = None,
+    base: Annotated[
+        Path | None, typer.Option("--from", metavar="FILE", help="Weights of the stage before, as --export wrote them.")
+    ] = None,
+    preset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="small (what ships, default) or paper (the thesis).")
+    ] = None,
+    data: DataOption = None,
+    steps: StepsOption = None,
+    changes: SetOption = None,
+    export: ExportOption = None,
+    which: WhichOption = None,
+    resume: ResumeOption = None,
+    device: DeviceOption = "auto",
+    threads: ThreadsOption = None,
+    seed: SeedOption = 0,
+) -> None:
+    """Train TM2T, one of its three stages, or go on with a training that was stopped.
+
+    [bold]Examples[/bold]
+
+    motionloom train tm2t --stage vq --run runs/vq --export vq.safetensors
+
+    motionloom train tm2t --stage m2t --from vq.safetensors --run runs/m2t --export m2t.safetensors
+
+    motionloom train tm2t --stage t2m --from m2t.safetensors --run runs/t2m --export tm2t.safetensors
+
+    motionloom train tm2t --stage t2m --from m2t.safetensors --set alignment=0 --run runs/plain
+
+    motionloom train tm2t --stage t2m --from m2t.safetensors --set backbone=transformer --run runs/transformer
+
+    Each file holds all parts trained so far: use it with engines.load("tm2t", checkpoint="tm2t.safetensors").
+    """
+    check_options(steps, threads, export, which)
+    before = {} if resume is False else remembered(run)
+    corpora_asked = before.get("corpora") if data is None else corpora(data)
+    stage = stage or before.get("stage")
+    if stage is None:
+        raise OutOfRangeError("--stage", stage, "vq, then m2t, then t2m")
+    base = base or (Path(before["base"]) if before.get("base") else None)
+    use_threads(threads)
+    from engines.tm2t import config, train
+
+    chosen, plan = settings(run, before, preset, changes or [], config)
+    chosen = chosen if steps is None else chosen.replaced(steps=steps)
+    with stoppable() as stopped, bar() as tick:
+        state = train.fit(
+            chosen,
+            stage,
+            run,
+            base=base,
+            seed=seed,
+            corpora=corpora_asked,
+            plan=plan,
+            device=device,
+            resume=resume,
+            cancel=stopped,
+            tick=tick,
+        )
+    if first():
+        tell(state, run, export, which, train.export)
+
+
 @app.command("action2motion")
 def action2motion(  # noqa: PLR0913, PLR0917 (one parameter an option)
     run: RunOption,

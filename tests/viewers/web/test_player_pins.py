@@ -85,6 +85,8 @@ def test_a_joint_follows_the_mouse_in_the_plane_that_faces_the_camera(open_playe
     player.still()
     place = joint(player, "right_wrist")
     x, y = player.js(SEEN, place)
+    player.page.mouse.move(x + 2, y + 2)
+    assert player.page.locator(".hint").inner_text().startswith("Right wrist: drag it to its place")
     drag(player, [(x, y), (x + 50, y - 60)])
     drawn = player.get("drawn")
     assert (drawn["kind"], drawn["joint"], drawn["frame"], drawn["fps"]) == ("joint", "right_wrist", 13, 20)

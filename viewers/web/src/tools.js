@@ -91,7 +91,9 @@ export class Tools {
     if (this.points) this.#extend(event);
     else if (this.held) this.#carry(event);
     else if (this.tool === "joint" && !event.buttons) {
-      this.over = this.#near(event);
+      const over = this.#near(event);
+      if (over !== this.over) this.#say(over >= 0 ? `${this.#nameOf(over)}: drag it to its place, or click to keep it here.` : null);
+      this.over = over;
       this.canvas.style.cursor = this.over >= 0 ? "move" : "";
       this.player.stage.invalidate();
       if (this.over < 0) return;
@@ -200,6 +202,12 @@ export class Tools {
     this.player.dispatchEvent(new CustomEvent("drawn", { detail }));
   }
 
+  #nameOf(j) {
+    const name = this.figure.take.skeleton.joints[j].replaceAll("_", " ");
+    return name[0].toUpperCase() + name.slice(1);
+  }
+
+  // A line over the stage; null: what it said at first.
   #say(text) {
     this.player.dispatchEvent(new CustomEvent("say", { detail: { text } }));
   }

@@ -12,7 +12,7 @@ export class ToolHint {
     this.text = h("span", { role: "status" });
     const done = button({ label: "Done", text: "Done", key: "Esc", onclick: () => player.set("tool", "none") });
     this.element = h("div", { class: "float hint", hidden: true }, this.text, done);
-    player.addEventListener("say", ({ detail }) => { this.text.textContent = detail.text; });
+    player.addEventListener("say", ({ detail }) => { this.text.textContent = detail.text ?? WORDS[player.options.tool] ?? ""; });
     player.addEventListener("drawn", () => this.refresh());
   }
 
