@@ -19,8 +19,9 @@ from PIL import Image, ImageDraw
 
 from engines import datasets, load
 from engines.loom.assess import Assessment, assess
-from engines.loom.engine import WEIGHTS, LoomEngine
+from engines.loom.engine import LoomEngine
 from engines.motion import Motion
+from engines.weights_file import SHIPPED
 from viewers.moderngl_renderer import Renderer
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -154,7 +155,7 @@ def main() -> None:
     parser.add_argument("--run", type=Path, default=None, help="folder of the training, for its losses")
     parser.add_argument("--draws", type=int, default=8, help="motions an action")
     options = parser.parse_args()
-    settings = WEIGHTS / "loom.json"
+    settings = SHIPPED / "loom.json"
     stored = json.loads(settings.read_text())
     if options.reads is not None:
         stored["extra"]["reads"] = [name.strip() for name in options.reads.split(",") if name.strip()]
@@ -168,7 +169,7 @@ def main() -> None:
     sheet(actions(engine), ROOT / "docs/actions-loom.webp")
     sheet(styles(engine), ROOT / "docs/styles-loom.webp")
     found = assess(engine, datasets.load(), draws=options.draws)
-    (WEIGHTS / "loom.md").write_text(card(engine, found))
+    (SHIPPED / "loom.md").write_text(card(engine, found))
 
 
 if __name__ == "__main__":

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import load_file
 from torch import Tensor
 
 from engines import actions as vocabulary
+from engines import weights_file
 from engines.actions import Action
-from engines.errors import Cancelled, CheckpointError, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError
 from engines.loom import output
 from engines.loom.config import LoomConfig
 from engines.loom.constraints import NOTHING, Constraints, Keep, Pin
@@ -27,8 +27,8 @@ from engines.loom.passes import FPS, LOOP, How, Passes, Request
 from engines.loom.plan import windows
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
+from engines.weights_file import SHIPPED
 
-WEIGHTS = Path(__file__).resolve().parent.parent / "weights"
 MAX_FRAMES = 12_000
 """Ten minutes."""
 MAX_COUNT = 1024
@@ -376,14 +376,10 @@ def load(variant: str = "small", checkpoint: str | Path | None = None) -> LoomEn
     """
     if variant != "small":
         raise UnknownLabelError("variant of loom", variant, ("small",))
-    path = Path(checkpoint) if checkpoint else WEIGHTS / "loom.safetensors"
-    if not path.is_file() or not path.with_suffix(".json").is_file():
-        raise CheckpointError(f"{path}: no such weights with settings beside them; train them (motionloom train loom)")
-    model = Loom(LoomConfig.from_json(path.with_suffix(".json").read_text(encoding="utf-8")))
-    try:
-        model.load_state_dict({name: value.float() for name, value in load_file(path).items()})
-    except Exception as error:  # safetensors and torch raise many kinds; each means the file does not fit
-        raise CheckpointError(f"{path}: these weights do not fit their settings: {error}") from error
+    path = Path(checkpoint) if checkpoint else SHIPPED / "loom.safetensors"
+    settings = weights_file.read_settings(path, "train them (motionloom train loom)")
+    model = Loom(LoomConfig.from_json(settings))
+    weights_file.fill(model, path)
     return LoomEngine(model, hashlib.sha256(path.read_bytes()).hexdigest())
 
 

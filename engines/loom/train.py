@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,17 +9,15 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import save
 from torch import Tensor
 
-from engines import datasets
+from engines import datasets, weights_file
 from engines.datasets.captions import encoded
 from engines.loom import data
 from engines.loom.config import LoomConfig
 from engines.loom.losses import losses
 from engines.loom.model import Loom
 from engines.training.devices import launch, share_of
-from engines.training.files import write_beside
 from engines.training.loop import TrainingPlan, TrainingState
 from engines.training.run import RunOptions, run
 
@@ -135,11 +132,8 @@ def export(state: TrainingState, path: Path, which: str | None = None) -> str:
     """Write the weights (float16) and their config beside each other; returns the weights' SHA-256."""
     weights = state.weights(which)
     step = state.best_step if weights is state.best else state.step
-    content = save({name: value.cpu().half().contiguous() for name, value in weights.items()})
-    write_beside(path, content)
     config = model_of(state).config.replaced(extra={"step": step, "seconds": round(state.seconds)})
-    write_beside(path.with_suffix(".json"), config.to_json() + "\n")
-    return hashlib.sha256(content).hexdigest()
+    return weights_file.write(weights, config.to_json(), path)
 
 
 def model_of(state: TrainingState) -> Loom:

@@ -1,0 +1,222 @@
+"""The stylization engine: any motion, in another manner."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from engines.errors import OutOfRangeError, UnknownLabelError
+from engines.features.style import STYLE
+from engines.motion import Motion, Provenance, Segment
+from engines.skeletons import SMPL22
+from engines.stylization import train
+from engines.stylization.model import LAYOUT, Stylizer
+from engines.weights_file import SHIPPED
+
+SHORTEST = 8
+"""Frames at 30 fps, a quarter of a second."""
+_LEAST = 24
+"""Frames that the networks are shown at least: they halve the rate up to four times, and look to either side."""
+LONGEST = 18_000
+MAX_COUNT = 256
+STRONGEST = 1.5
+_VARIANTS = ("ae", "vae", "ae-unsupervised", "vae-unsupervised")
+
+
+class StylizationEngine:
+    """Puts the style of a label, of a reference or of chance on a motion; `engines.load("stylization")` makes one."""
+
+    name = "stylization"
+    description = "Any motion in another manner: from a label, from a reference, or a surprise (Guo et al. 2024)."
+    licence = "CC BY-NC 4.0 (trained on Bandai-Namco clips)"
+    fps = STYLE.fps
+
+    def __init__(self, model: Stylizer, weights_hash: str) -> None:
+        self.model = model.eval().requires_grad_(False)
+        self.config = model.config
+        self.weights_hash = weights_hash
+        self.variant = self.config.latent + ("" if self.config.supervised else "-unsupervised")
+        self.variants = shipped_variants() or (self.variant,)
+        self.styles: tuple[str, ...] = self.config.styles if self.config.supervised else ()
+        self.capabilities = frozenset({"stylise", "variants", *({"styles"} if self.styles else ())})
+
+    def stylise(  # noqa: PLR0913 - the request of a person, each part optional
+        self,
+        motion: Motion,
+        style: str | None = None,
+        *,
+        like: Motion | None = None,
+        strength: float = 1.0,
+        count: int = 1,
+        seed: int = 0,
+    ) -> list[Motion]:
+        """The motion in another manner.
+
+        Args:
+            motion: any of 8 frames or more at 30 fps; retargeted to smpl22 where it is not.
+            style: a name of `styles` (label-based); with `like`, the style that shows.
+            like: a motion to take the manner from (motion-based). Without both it is drawn from the prior.
+            strength: 0 gives the motion back, 1 the style as it was learned, up to 1.5 more of it.
+            count: how many; they differ in the style code that is drawn.
+            seed: of the draws; the same one gives the same motions.
+
+        Returns:
+            Motions at 30 fps, of the length of the given one, where it stood.
+
+        Raises:
+            UnknownLabelError: a style that is not known, or any for weights that learned without labels.
+            OutOfRangeError: a number is outside its range; the motion is too short or too long.
+        """
+        _check(strength, count, seed)
+        label = self._label(style, like)
+        house, features = self._seen(motion)
+        codes = self._codes(features, count)
+        noise = torch.stack([_noise(seed, index, self.config.style_size) for index in range(count)])
+        if like is None:
+            told = noise
+        else:
+            reference = self.model.encode(self._normal(self._seen(like)[1]))
+            told = self.model.style_of(reference.expand(count, -1, -1), _rows(label, count)).sample(noise)
+        made = self._restyled(features, codes, told, _rows(label, count), strength)
+        said = {"style": style, "like": None if like is None else like.provenance.source, "strength": strength}
+        return [self._finished(house, row, style, said, seed, index) for index, row in enumerate(made)]
+
+    def style_code(self, motion: Motion, style: str | None = None) -> np.ndarray:
+        """(K,) where the manner of a motion lies in the style space, mean of its Gaussian."""
+        code = self.model.encode(self._normal(self._seen(motion)[1]))
+        return self.model.style_of(code, self._label(style, motion)).mean[0].numpy()
+
+    def interpolate_styles(
+        self, motion: Motion, a: np.ndarray, b: np.ndarray, steps: int = 5, style: Sequence[str] = ()
+    ) -> list[Motion]:
+        """The motion in manners between two style codes.
+
+        Args:
+            motion: as in `stylise`.
+            a: (K,) style code of the first.
+            b: (K,) of the last.
+            steps: how many, both ends included; 2 to 64.
+            style: none, one for all, or two to go between (supervised weights).
+        """
+        if not 2 <= steps <= 64:
+            raise OutOfRangeError("steps", steps, "2 to 64")
+        house, features = self._seen(motion)
+        share = torch.linspace(0, 1, steps)[:, None]
+        first, last = (torch.as_tensor(code, dtype=torch.float32) for code in (a, b))
+        label = None
+        if self.config.supervised:
+            ends = [self._label(name, None) for name in (style or self.styles[:1])]
+            assert ends[0] is not None and ends[-1] is not None
+            label = (1 - share) * ends[0] + share * ends[-1]
+        made = self._restyled(features, self._codes(features, steps), (1 - share) * first + share * last, label, 1.0)
+        return [self._finished(house, row, " > ".join(style) or None, {}, 0, i) for i, row in enumerate(made)]
+
+    # ---- how it is made ---------------------------------------------------------------------------------------
+
+    def _label(self, style: str | None, like: Motion | None) -> Tensor | None:
+        """(1, S) one-hot; a reference brings its own, if it has one."""
+        if not self.config.supervised:
+            if style is not None and like is None:
+                raise UnknownLabelError("style of weights that learned without labels", style, ("(none)",))
+            return None
+        name = style or (like.label_at(0, "style") if like is not None else None)
+        if name is None and like is None:
+            return torch.full((1, len(self.styles)), 1 / len(self.styles))  # no style in particular
+        if name is not None and name not in self.styles:
+            raise UnknownLabelError("style", name, self.styles)
+        index = torch.tensor([self.styles.index(name)]) if name else None
+        size = len(self.styles)
+        return torch.full((1, size), 1 / size) if index is None else torch.nn.functional.one_hot(index, size).float()
+
+    def _seen(self, motion: Motion) -> tuple[Motion, np.ndarray]:
+        """The motion at 30 fps on smpl22, and its features (T, D)."""
+        house = motion.retarget(SMPL22).resample(STYLE.fps)
+        if not SHORTEST <= len(house) <= LONGEST:
+            raise OutOfRangeError("frames of the motion at 30 fps", len(house), f"{SHORTEST} to {LONGEST:,}")
+        return house, STYLE.encode(house)
+
+    def _normal(self, features: np.ndarray) -> Tensor:
+        """(1, T', D) normalised, the last frame held up to a multiple of 8 and what the networks need at least."""
+        more = max(-len(features) % 8, _LEAST - len(features))
+        rows = np.concatenate([features, np.repeat(features[-1:], more, axis=0)])
+        return ((torch.from_numpy(rows) - self.model.mean) / self.model.std)[None]
+
+    def _codes(self, features: np.ndarray, count: int) -> Tensor:
+        return self.model.encode(self._normal(features)).expand(count, -1, -1)
+
+    def _restyled(
+        self, features: np.ndarray, codes: Tensor, told: Tensor, label: Tensor | None, strength: float
+    ) -> np.ndarray:
+        """Features (N, T, D), not normalised: the given ones and so much of what the style changes in them."""
+        model, given = self.model, self._normal(features)
+        content = model.content(codes)
+        own = model.style_of(codes, label)
+        change = model.generate(content, told, label) - model.generate(content, own.mean, label)
+        base = model.decode(codes)
+        made = given + model.decode(codes + strength * change) - base
+        turning = given[..., LAYOUT["yaw_velocity"]].expand(len(made), -1, -1)
+        travel = (
+            given[..., LAYOUT["root_velocity"]]
+            + model.travel(made, turning)
+            - model.travel(given.expand_as(made), turning)
+        )
+        rest = made[..., LAYOUT["root_height"].start :]
+        whole = torch.cat([turning, travel, rest], dim=-1) * model.std + model.mean
+        return whole[:, : len(features)].numpy()
+
+    def _finished(  # noqa: PLR0913, PLR0917 - what goes into labels and provenance
+        self, house: Motion, row: np.ndarray, style: str | None, said: dict[str, Any], seed: int, index: int
+    ) -> Motion:
+        motion = STYLE.decode(row, source="rotations", start=STYLE.start(house))
+        labels = [s for s in house.labels if s.kind != "style"]
+        if style:
+            labels.append(Segment(0, len(motion), "style", style))
+        told = {key: value for key, value in said.items() if value is not None}
+        origin = Provenance(self.name, self.weights_hash, house.provenance.prompt, seed, index, told)
+        return motion.replaced(labels=tuple(labels), provenance=origin)
+
+
+def load(variant: str = "ae", checkpoint: str | Path | None = None) -> StylizationEngine:
+    """The engine with shipped weights, or with a checkpoint written by `motionloom train stylization`.
+
+    Args:
+        variant: ae, vae, ae-unsupervised or vae-unsupervised.
+        checkpoint: weights (.safetensors with its .json beside it).
+
+    Raises:
+        UnknownLabelError: no such variant.
+        CheckpointError: the file is missing, damaged or of another architecture.
+    """
+    if variant not in _VARIANTS:
+        raise UnknownLabelError("variant of stylization", variant, _VARIANTS)
+    path = Path(checkpoint) if checkpoint else SHIPPED / f"stylization-{variant}.safetensors"
+    model = train.read(path)
+    return StylizationEngine(model, hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def shipped_variants() -> tuple[str, ...]:
+    """Those whose weights are there."""
+    return tuple(name for name in _VARIANTS if (SHIPPED / f"stylization-{name}.safetensors").is_file())
+
+
+def _check(strength: float, count: int, seed: int) -> None:
+    if not 0.0 <= strength <= STRONGEST:
+        raise OutOfRangeError("strength", strength, f"0 to {STRONGEST:g}")
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_COUNT:
+        raise OutOfRangeError("count", count, f"a whole number from 1 to {MAX_COUNT}")
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise OutOfRangeError("seed", seed, "a whole number from 0 to 2^63 - 1")
+
+
+def _noise(seed: int, index: int, size: int) -> Tensor:
+    return torch.randn(size, generator=torch.Generator().manual_seed((seed * 1_000_003 + index) % 2**63))
+
+
+def _rows(label: Tensor | None, count: int) -> Tensor | None:
+    return None if label is None else label.expand(count, -1)

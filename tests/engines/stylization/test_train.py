@@ -1,0 +1,95 @@
+"""Training stylization stage by stage: a few steps, exact resume, shares of a batch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from engines.errors import Cancelled, CheckpointError, MotionloomError, UnknownLabelError
+from engines.stylization import losses, train
+from engines.stylization.data import Windows
+from engines.stylization.engine import load
+from engines.training.devices import Share
+from engines.training.run import RunOptions
+from tests.engines.action2motion.tiny import clip
+from tests.engines.stylization.tiny import clips, config, model
+
+PLAN = {"log_every": 1, "validate_every": 2, "save_every_seconds": 1e9}
+
+
+def fit(folder: Path, stage, options: RunOptions | None = None, **changes):
+    return train.fit(
+        config(**changes), stage, folder, clips(), validation=clips(1), plan=PLAN, options=options
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("latent", "supervised"), [("ae", True), ("vae", False)])
+def test_all_stages_then_an_engine(tmp_path: Path, latent: str, supervised: bool) -> None:
+    told = {"latent": latent, "supervised": supervised}
+    for stage in train.STAGES:
+        state = fit(tmp_path, stage, **told)
+        assert all(np.isfinite(value) for line in state.history for value in line.values())
+    train.export(state, tmp_path / "all.safetensors")
+    engine = load(checkpoint=tmp_path / "all.safetensors")
+    assert len(engine.stylise(clips()[0].motion, "old" if supervised else None)) == 1
+    # the style stage leaves what came before as it was
+    before = torch.load(tmp_path / "autoencoder" / "checkpoint.pt", weights_only=True)["averaged"]
+    assert torch.equal(state.averaged["encoder.output.weight"], before["encoder.output.weight"])
+
+
+def test_the_style_stage_needs_the_others(tmp_path: Path) -> None:
+    with pytest.raises(CheckpointError, match="'autoencoder' first"):
+        fit(tmp_path, "style")
+    with pytest.raises(UnknownLabelError, match="regressor"):
+        fit(tmp_path, "regresor")
+
+
+def test_a_stage_that_was_stopped_goes_on_as_if_it_had_not_been(tmp_path: Path) -> None:
+    whole = fit(tmp_path / "whole", "autoencoder", latent="vae")
+    asked: list[int] = []
+
+    def second() -> bool:
+        asked.append(1)
+        return len(asked) == 2
+
+    with pytest.raises(Cancelled):
+        fit(tmp_path / "parts", "autoencoder", RunOptions(cancel=second), latent="vae")
+    parts = fit(tmp_path / "parts", "autoencoder", RunOptions(resume=True), latent="vae")
+    assert all(torch.equal(value, parts.averaged[name]) for name, value in whole.averaged.items())
+
+
+def test_shares_of_pairs_make_the_whole() -> None:
+    windows = Windows(clips(), config(batch_size=8))
+    whole = windows.pairs(np.random.default_rng(2))
+    parts = [windows.pairs(np.random.default_rng(2), Share(rank, 2)) for rank in range(2)]
+    for i, value in enumerate(whole):
+        assert torch.equal(value.unflatten(0, (-1, 2))[0::2].flatten(0, 1), parts[0][i])
+        assert torch.equal(value.unflatten(0, (-1, 2))[1::2].flatten(0, 1), parts[1][i])
+
+
+def test_windows_are_normalised_and_short_clips_go_back_and_forth() -> None:
+    windows = Windows([clip("walk", 14)], config(window=64))
+    (batch,) = list(windows.each())[:1]
+    row, length = batch[0], int(windows.lengths[0])
+    assert length < 64
+    assert torch.equal(row[length - 1 + 3], row[length - 1 - 3])
+    assert torch.equal(row[2 * (length - 1)], row[0])
+    with pytest.raises(MotionloomError, match="has one of the styles"):
+        windows.pairs(np.random.default_rng(0))
+
+
+def test_loss_of_the_autoencoder_falls() -> None:
+    net, windows = model(latent_size=32, encoder=(48, 48), decoder=(48, 48, 48)).train(), Windows(clips(), config())
+    optimiser = torch.optim.Adam(net.parameters(), lr=3e-3)
+    motion = windows.draw(np.random.default_rng(0))
+    totals = []
+    for _ in range(60):
+        total = torch.stack(list(losses.autoencoder(net, motion, None).values())).sum()
+        optimiser.zero_grad()
+        total.backward()
+        optimiser.step()
+        totals.append(float(total.detach()))
+    assert np.mean(totals[-5:]) < 0.7 * np.mean(totals[:5])
