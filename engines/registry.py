@@ -8,7 +8,6 @@ from typing import Any
 
 from engines.errors import UnknownLabelError
 
-
 WEIGHTS = Path(__file__).resolve().parent / "weights"
 
 
@@ -24,9 +23,16 @@ def _loom(**options: Any) -> Any:
     return engine.load(**options)
 
 
+def _tm2t(**options: Any) -> Any:
+    from engines.tm2t import engine
+
+    return engine.load(**options)
+
+
 _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
     "action2motion": ("an action's name becomes a motion (temporal VAE, Guo et al. 2020)", _action2motion),
     "loom": ("actions, styles, sentences, poses and paths become a motion (flow matching, our own)", _loom),
+    "tm2t": ("a sentence becomes a motion and a motion a sentence, by motion tokens (Guo et al. 2022)", _tm2t),
 }
 
 
