@@ -23,9 +23,9 @@ from engines.action2motion.assess import Assessment, assess
 from engines.action2motion.config import Action2MotionConfig
 from engines.action2motion.engine import WEIGHTS, Action2MotionEngine
 from engines.motion import Motion
+from viewers import strips
 from viewers.camera import Camera
 from viewers.moderngl_renderer import Renderer
-from viewers.scene import Scene
 
 ROOT = Path(__file__).resolve().parent.parent
 POSES, WIDE, HIGH, COLUMNS = 7, 84, 112, 2
@@ -49,11 +49,9 @@ def sheet(engine: Action2MotionEngine, path: Path, seed: int = 1, frames: int = 
 
 
 def poses(renderer: Renderer, motion: Motion) -> list[np.ndarray]:
-    """A motion as `POSES` pictures, seen from a little above and to the side."""
-    still = motion.in_place()
+    """A motion as `POSES` pictures, seen from a little above and to the side, all motions from as far."""
     camera = Camera(yaw=0.6, pitch=0.12, distance=4.6, target=(0.0, 0.95, 0.0), fov=0.5)
-    times = np.linspace(0, (len(motion) - 1) / motion.fps, POSES)
-    return [picture[..., :3].copy() for picture in renderer.pictures(Scene.of(still, camera=camera), times)]
+    return strips.poses(renderer, motion, strips.spread(motion, POSES), camera)
 
 
 def card(engine: Action2MotionEngine, found: Assessment, reads: list[str], picture: str) -> str:

@@ -25,6 +25,12 @@ _ARGUMENTS = {
         "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv",
         "-movflags", "+faststart", "-f", "mp4",
     ],
+    ".webm": [
+        "-vf", _TO_BT709, "-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "8", "-row-mt", "1",
+        "-crf", "34", "-b:v", "0", "-pix_fmt", "yuv420p",
+        "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv",
+        "-f", "webm",
+    ],
     ".gif": [
         "-filter_complex",
         "[0:v]split[a][b];[a]palettegen=max_colors=160:stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=5:diff_mode=rectangle",
@@ -42,7 +48,7 @@ def format_of(path: Path) -> str:
     """
     suffix = path.suffix.lower()
     if suffix not in _ARGUMENTS:
-        raise FormatError(path, f"videos end in {' or '.join(FORMATS)}, not in {path.suffix!r}")
+        raise FormatError(path, f"videos end in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, not in {path.suffix!r}")
     return suffix
 
 

@@ -1,14 +1,18 @@
-"""Videos: frames into MP4 and GIF files, and whole scenes rendered into them, with progress and cancel."""
+"""Videos: frames into MP4, WebM, GIF and PNG files, and whole scenes rendered into them, with progress and cancel."""
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
-from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, FormatError, OutOfRangeError, UnknownLabelError
 from engines.motion import Motion
 from viewers.camera import Camera, Mode
 from viewers.encoder import Encoder, format_of
@@ -19,7 +23,7 @@ Progress = Callable[[int, int | None], object]
 Cancel = Callable[[], bool]
 """Asked before every frame; True stops the work."""
 
-SIZES = {".mp4": (1280, 720, 30.0), ".gif": (480, 270, 20.0)}
+SIZES = {".mp4": (1280, 720, 30.0), ".webm": (1280, 720, 30.0), ".gif": (480, 270, 20.0)}
 """Width, height and frames a second, where none are asked for."""
 
 
@@ -65,7 +69,7 @@ def render(
 
     Args:
         what: a Scene as it is; motions as `Scene.of` shows them.
-        path: ends in .mp4 or .gif.
+        path: ends in .mp4, .webm or .gif.
         progress: called with (frames done, frames in all).
         cancel: asked before every frame; True stops and leaves no file.
         settings: fields of VideoSettings: width, height, fps, camera, samples.
@@ -74,16 +78,74 @@ def render(
         The path written.
 
     Raises:
-        FormatError: the ending is neither, or the encoder fails.
+        FormatError: the ending is none of these, or the encoder fails.
         OutOfRangeError: sizes or fps that cannot be.
         UnknownLabelError: a setting or camera of no known name.
         Cancelled: `cancel` said so.
         NoGraphicsError: no OpenGL here.
     """
-    from viewers.moderngl_renderer import Renderer
-
     path = Path(path)
     chosen = _settings(settings).filled(format_of(path))
+    with _pictures(what, chosen) as (frames, count):
+        return _encode(frames, path, chosen.fps or 0.0, _Watch(count, progress, cancel))
+
+
+def render_pngs(
+    what: Motion | Scene | Sequence[Motion],
+    folder: str | Path,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+    **settings,
+) -> Path:
+    """Render a motion, several, or a scene into numbered pictures, for compositing and editing programs.
+
+    Args:
+        what: a Scene as it is; motions as `Scene.of` shows them.
+        folder: made anew, filled with frame-00001.png and so on; it appears only when it is whole.
+        progress: called with (frames done, frames in all).
+        cancel: asked before every frame; True stops and leaves nothing.
+        settings: fields of VideoSettings, with the defaults of .mp4.
+
+    Returns:
+        The folder.
+
+    Raises:
+        FormatError: the folder is already there and not empty, or cannot be made.
+        OutOfRangeError: sizes or fps that cannot be.
+        UnknownLabelError: a setting or camera of no known name.
+        Cancelled: `cancel` said so.
+        NoGraphicsError: no OpenGL here.
+    """
+    folder = Path(folder)
+    if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+        raise FormatError(folder, "is already there; accepted: the name of a new or an empty folder.")
+    try:
+        part = Path(tempfile.mkdtemp(prefix=f".{folder.name[:80]}-", dir=folder.parent))
+    except OSError as problem:
+        raise FormatError(folder, f"cannot be made: {problem.strerror}; choose a folder that can.") from problem
+    try:
+        with _pictures(what, _settings(settings).filled(".mp4")) as (frames, count):
+            watch = _Watch(count, progress, cancel)
+            for number in range(1, count + 1):
+                watch.before()
+                Image.fromarray(next(frames)[..., :3]).save(part / f"frame-{number:05d}.png", compress_level=4)
+                watch.after(number)
+        part.chmod(0o755)
+        part.replace(folder)
+    except OSError as problem:
+        raise FormatError(folder, f"cannot be written: {problem.strerror}.") from problem
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return folder
+
+
+@contextmanager
+def _pictures(
+    what: Motion | Scene | Sequence[Motion], chosen: VideoSettings
+) -> Iterator[tuple[Iterator[np.ndarray], int]]:
+    """The pictures of a video, (H, W, 4) uint8, and how many there are."""
+    from viewers.moderngl_renderer import Renderer
+
     scene = what if isinstance(what, Scene) else Scene.of(what)
     if chosen.camera is not None:
         camera = chosen.camera if isinstance(chosen.camera, Camera) else Camera(chosen.camera)
@@ -91,8 +153,7 @@ def render(
     assert chosen.width and chosen.height and chosen.fps is not None
     times = scene.times(chosen.fps)
     with Renderer(chosen.width, chosen.height, chosen.samples) as renderer:
-        frames = renderer.pictures(scene, times)
-        return _encode(frames, path, chosen.fps, _Watch(len(times), progress, cancel))
+        yield renderer.pictures(scene, times), len(times)
 
 
 def write_video(
@@ -106,7 +167,7 @@ def write_video(
 
     Args:
         frames: (H, W, 3) or (H, W, 4) uint8, all of one size; odd sizes gain a row or column.
-        path: ends in .mp4 (H.264, yuv420p) or .gif.
+        path: ends in .mp4 (H.264, yuv420p), .webm (VP9, yuv420p) or .gif.
         fps: frames a second.
         progress: called with (frames done, frames in all, or None if `frames` has no length).
         cancel: asked before every frame; True stops and leaves no file.
@@ -115,7 +176,7 @@ def write_video(
         The path written.
 
     Raises:
-        FormatError: the ending is neither, or the encoder fails.
+        FormatError: the ending is none of these, or the encoder fails.
         OutOfRangeError: no frames, frames of several sizes, or fps not positive.
         Cancelled: `cancel` said so.
     """

@@ -26,6 +26,8 @@ FASTEST = 7.0
 """Metres a second that a drawn path may ask for; faster ones are cut short."""
 HIGHEST, LOWEST = 3.0, -0.25
 """Metres above the floor that a pinned joint may be at."""
+_EASY = 1.2
+"""Metres a second at which a pose far away is walked to, where nothing says where the motion begins."""
 _SAME = 0.03
 """Metres within which two poses for one frame are the same."""
 
@@ -118,7 +120,7 @@ def compile_known(  # noqa: PLR0913, PLR0917 - how the network is told is the mo
     unmet: list[str] = []
     kept = [_fitted(keep, frames, fps, unmet) for keep in constraints.kept]
     path = None if constraints.path is None else _timed(constraints.path, frames, fps, unmet)
-    start = _start(kept, path, facing)
+    start = _start(kept, path, facing, fps)
     raw = np.zeros((frames, LAYOUT.size), dtype=np.float32)
     joints = np.zeros((frames, JOINTS - 1, 3), dtype=np.float32)
     masks = Masks.nothing(1, frames)
@@ -192,10 +194,12 @@ def _timed(path: Path, frames: int, fps: float, unmet: list[str]) -> tuple[np.nd
     return at, places
 
 
-def _start(kept: Sequence[tuple[Keep, Frames]], path: tuple[np.ndarray, np.ndarray] | None, facing: float) -> Start:
+def _start(
+    kept: Sequence[tuple[Keep, Frames]], path: tuple[np.ndarray, np.ndarray] | None, facing: float, fps: float
+) -> Start:
     """Where in the world the motion's first frame stands and faces."""
     for keep, found in kept:
-        if keep.at == 0 and keep.placed and (not keep.parts or "lower body" in keep.parts):
+        if keep.at == 0 and keep.placed and _stands(keep):
             return Start(float(found.yaw[0]), found.ground[0])
     if path is not None and path[0][0] == 0:
         _, points = path
@@ -203,7 +207,24 @@ def _start(kept: Sequence[tuple[Keep, Frames]], path: tuple[np.ndarray, np.ndarr
         way = (ahead[0] if len(ahead) else points[-1]) - points[0]
         yaw = math.atan2(way[0], way[1]) - facing if np.linalg.norm(way) > 1e-6 else 0.0
         return Start(yaw, points[0])
+    for keep, found in sorted(kept, key=lambda pair: pair[0].at):
+        if keep.placed and _stands(keep):
+            return _before(found, keep.at / fps)
     return Start()
+
+
+def _stands(keep: Keep) -> bool:
+    """Whether where the body stands is part of what is kept."""
+    return not keep.parts or "lower body" in keep.parts
+
+
+def _before(found: Frames, seconds: float) -> Start:
+    """Where to begin so that a pose is reached in time: at the origin, or as near to it as a walk away."""
+    place = found.ground[0].astype(np.float64)
+    way = float(np.linalg.norm(place))
+    if way <= _EASY * seconds:
+        return Start()
+    return Start(math.atan2(place[0], place[1]), place * (1 - _EASY * seconds / way))
 
 
 def _seen(points: np.ndarray, start: Start) -> np.ndarray:
@@ -269,12 +290,17 @@ def _pin(pin: Pin, joints: np.ndarray, masks: Masks, start: Start, unmet: list[s
     x, y, z = pin.position
     if not 0 <= y <= HIGHEST:
         nearer = min(max(y, 0.0), HIGHEST)
-        unmet.append(f"{pin.joint} cannot be {y:.2f} m high; it was asked for {nearer:.2f} m.")
+        unmet.append(f"{words(pin.joint)} cannot be {y:.2f} m high; it was asked for {nearer:.2f} m.")
         y = nearer
     seen = _seen(np.array([x, z]), start)
     index = SMPL22.index(pin.joint) - 1
     joints[pin.frame : end, index] = (seen[0], y, seen[1])
     masks.joints[0, pin.frame : end, index] = True
+
+
+def words(joint: str) -> str:
+    """A joint's name for people: "left_wrist" -> "The left wrist"."""
+    return f"The {joint.replace('_', ' ')}"
 
 
 def _reachable(raw: np.ndarray, masks: Masks, fps: float, unmet: list[str]) -> None:

@@ -61,7 +61,7 @@ class LoomEngine:
     variants = ("small",)
     capabilities = frozenset({
         "actions", "styles", "text", "interpolate", "transition", "outpaint", "constraints", "stylise", "parts",
-        "scale_bones", "best_of",
+        "scale_bones", "best_of", "guidance",
     })  # fmt: skip
 
     def __init__(self, model: Loom, weights_hash: str) -> None:
@@ -70,6 +70,7 @@ class LoomEngine:
         self.weights_hash = weights_hash
         self.actions: tuple[Action, ...] = tuple(vocabulary.get(name) for name in self.config.actions)
         self.styles: tuple[str, ...] = self.config.styles
+        self.max_pinned_frames = self.config.longest
         self._passes = Passes(model)
 
     # ---- what a person asks for ---------------------------------------------------------------------------

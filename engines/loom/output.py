@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from torch import Tensor
 
-from engines.loom.constraints import Constraints, Known
+from engines.loom.constraints import Constraints, Known, words
 from engines.loom.representation import decode
 from engines.motion import Motion
 from engines.skeletons import SMPL22
@@ -54,7 +54,7 @@ def unmet(motion: Motion, constraints: Constraints) -> list[str]:
         rows = slice(pin.frame, pin.until or pin.frame + 1)
         gap = np.linalg.norm(motion.positions[rows, SMPL22.index(pin.joint)] - np.array(pin.position), axis=-1).max()
         if gap > _NEAR["pin"]:
-            said.append(f"{pin.joint} at frame {pin.frame} is {100 * gap:.0f} cm from its place.")
+            said.append(f"{words(pin.joint)} at frame {pin.frame} is {100 * gap:.0f} cm from its place.")
     if constraints.path is not None:
         points = np.asarray(constraints.path.points, dtype=np.float64)
         fine = np.concatenate([np.linspace(a, b, 50) for a, b in itertools.pairwise(points)])

@@ -45,6 +45,15 @@ def test_an_mp4_holds_what_was_put_in(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
 
 
+def test_a_webm_holds_what_was_put_in(tmp_path: Path) -> None:
+    meta, frames = read(write_video(plain(9), tmp_path / "a.webm", 30.0))
+    assert meta["codec"] == "vp9" and meta["pix_fmt"].startswith("yuv420p")
+    assert meta["size"] == (64, 48) and meta["fps"] == pytest.approx(30.0)
+    assert len(frames) == 9
+    assert np.abs(frames[4][30:40, 20:40].astype(int) - (200, 40, 90)).max() < 12
+    assert [p.name for p in tmp_path.iterdir()] == ["a.webm"]
+
+
 def test_a_gif_holds_what_was_put_in(tmp_path: Path) -> None:
     path = write_video(plain(7), tmp_path / "a.GIF", 20.0)
     with Image.open(path) as gif:
@@ -55,14 +64,14 @@ def test_a_gif_holds_what_was_put_in(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("size", [(63, 48), (64, 47), (33, 21)])
-@pytest.mark.parametrize("suffix", ["mp4", "gif"])
+@pytest.mark.parametrize("suffix", ["mp4", "webm", "gif"])
 def test_odd_sizes_become_even(tmp_path: Path, size: tuple[int, int], suffix: str) -> None:
     meta, frames = read(write_video(plain(3, size), tmp_path / f"a.{suffix}", 10.0))
     assert meta["size"] == (size[0] + size[0] % 2, size[1] + size[1] % 2)
     assert len(frames) == 3
 
 
-@pytest.mark.parametrize("suffix", ["mp4", "gif"])
+@pytest.mark.parametrize("suffix", ["mp4", "webm", "gif"])
 def test_one_frame_is_a_video_too(tmp_path: Path, suffix: str) -> None:
     path = write_video(plain(1), tmp_path / f"a.{suffix}", 24.0)
     if suffix == "gif":

@@ -117,3 +117,12 @@ def test_training_masks_stay_within_their_windows_and_leave_the_rest_alone() -> 
         assert held.any(), name
         told |= held.any(axis=(1, 2))
     assert 0.4 < told.mean() < 0.6
+
+
+def test_a_pose_far_away_is_walked_to_from_where_it_can_be_reached() -> None:
+    far, near = (Keep(movement(1).moved((x, 0.0, 0.0)), 40) for x in (50.0, 0.3))
+    begun = compiled(Constraints(kept=(far,)))
+    place = frames_of(far.motion).ground[0]
+    assert np.linalg.norm(place - begun.start.ground) == pytest.approx(1.2 * 2.0, abs=1e-3)
+    assert not begun.unmet
+    assert tuple(compiled(Constraints(kept=(near,))).start.ground) == (0.0, 0.0)

@@ -114,7 +114,7 @@ def test_a_path_is_followed(engine: LoomEngine) -> None:
 def test_a_pin_that_is_missed_is_said(engine: LoomEngine) -> None:
     motion = engine.generate("walk", 40, constraints=Constraints(pins=(Pin("left_wrist", 20, (9.0, 1.0, 9.0)),)))
     gap = np.linalg.norm(motion.positions[20, SMPL22.index("left_wrist")] - [9, 1, 9])
-    assert f"left_wrist at frame 20 is {100 * gap:.0f} cm" in motion.provenance.parameters["unmet"][0]
+    assert f"The left wrist at frame 20 is {100 * gap:.0f} cm" in motion.provenance.parameters["unmet"][0]
 
 
 def test_a_loop_closes(engine: LoomEngine) -> None:
