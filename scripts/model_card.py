@@ -51,7 +51,7 @@ def sheet(engine: Action2MotionEngine, path: Path, seed: int = 1, frames: int = 
 def poses(renderer: Renderer, motion: Motion) -> list[np.ndarray]:
     """A motion as `POSES` pictures, seen from a little above and to the side, all motions from as far."""
     camera = Camera(yaw=0.6, pitch=0.12, distance=4.6, target=(0.0, 0.95, 0.0), fov=0.5)
-    return strips.poses(renderer, motion, strips.spread(motion, POSES), camera)
+    return strips.poses(renderer, motion, strips.spread(motion, POSES), camera=camera)
 
 
 def card(engine: Action2MotionEngine, found: Assessment, reads: list[str], picture: str) -> str:

@@ -121,7 +121,7 @@ def test_an_encoder_that_gives_up_is_reported(tmp_path: Path, monkeypatch: pytes
 
 def test_wrong_requests_are_refused_before_anything_is_written(tmp_path: Path) -> None:
     for frames, name, fps, error, said in (
-        (plain(2), "a.avi", 30.0, FormatError, r"\.mp4 or \.gif"),
+        (plain(2), "a.avi", 30.0, FormatError, r"\.mp4, \.webm or \.gif"),
         (plain(2), "a.mp4", 0.0, OutOfRangeError, "fps"),
         ([], "a.mp4", 30.0, OutOfRangeError, "number of frames"),
         ([*plain(2), *plain(1, (32, 32))], "a.mp4", 30.0, OutOfRangeError, "size of a frame"),
