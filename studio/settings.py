@@ -32,9 +32,10 @@ MAX_FRAMES = 12000
 MAX_GUIDANCE = 10.0
 MAX_BEST_OF = 16
 MAX_PROMPT = 1000
-VIDEO_FORMATS = ("mp4", "gif")
-FORMATS = (*VIDEO_FORMATS, "bvh", "npz", "amass")
-"""What can be exported: videos, BVH, the project's own lossless .npz, AMASS .npz."""
+VIDEO_FORMATS = ("mp4", "gif", "webm")
+FORMATS = (*VIDEO_FORMATS, "png", "bvh", "glb", "csv", "npz", "amass")
+"""What can be exported: videos, a pose strip, BVH, skinned binary glTF, a table, the project's own lossless .npz,
+AMASS .npz."""
 CAMERAS = ("follow", "orbit", "front", "back", "left", "right")
 
 
@@ -102,7 +103,8 @@ class ExportSettings:
     """How motions are written."""
 
     formats: tuple[str, ...] = ("bvh",)
-    """Any of mp4, gif (rendered), bvh, npz (motionloom's own, lossless), amass (SMPL poses)."""
+    """Any of mp4, gif, webm (videos), png (poses side by side), bvh, glb (a skinned body), csv (a table), npz
+    (motionloom's own, lossless), amass (SMPL poses)."""
     width: int | None = None
     """Video width in pixels, even; null: by the height, or usual for the kind of file."""
     height: int | None = None

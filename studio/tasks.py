@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import engines
 from engines import Motion
-from engines.errors import MotionloomError
+from engines.errors import Cancelled, MotionloomError
 from studio.jobs import Cancel, Progress
 from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
 
@@ -120,8 +120,11 @@ def export(
     cancel: Cancel | None = None,
 ) -> Path:
     """Write one file, its format told by its name, by the settings. Returns the path."""
-    if format_of(path) not in VIDEO_FORMATS:
-        return (motion.resample(settings.fps) if settings.fps else motion).write(path)
+    kind = format_of(path)
+    if kind not in VIDEO_FORMATS:
+        if cancel is not None and cancel():
+            raise Cancelled("the export was cancelled; no file was left.")
+        return _WRITERS.get(str(kind), Motion.write)(motion.resample(settings.fps) if settings.fps else motion, path)
     import viewers
 
     return viewers.render(
@@ -134,6 +137,34 @@ def export(
         progress=progress,
         cancel=cancel,
     )
+
+
+def write_skinned(motion: Motion, path: Path) -> Path:
+    """Write a motion as .glb with the default body over it (the stick figure where that cannot wear it).
+
+    Raises:
+        FormatError: the file cannot be written.
+    """
+    from viewers.bodies import body_for
+
+    body, played = body_for(motion)
+    return played.write(path, skin=body)
+
+
+def write_strip(motion: Motion, path: Path) -> Path:
+    """Write poses of a motion side by side as .png, spread from its first frame to its last.
+
+    Raises:
+        FormatError: the file cannot be written.
+        NoGraphicsError: no OpenGL here.
+    """
+    from viewers import strips
+
+    return strips.write_strip(motion, path)
+
+
+_WRITERS: dict[str, Callable[[Motion, Path], Path]] = {"glb": write_skinned, "png": write_strip}
+"""Formats for which a viewer has to help."""
 
 
 def slug(text: str) -> str:

@@ -11,23 +11,29 @@ from engines.errors import OutOfRangeError
 
 
 def convert(
-    source: Annotated[Path, typer.Argument(metavar="IN", help="Motion file to read: .bvh, .npz, .mat")],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Motion file to write: .bvh, .npz or .amass.npz")],
+    source: Annotated[Path, typer.Argument(metavar="IN", help="Motion file to read: .bvh, .glb, .npz, .amc, .mat")],
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="File to write: .bvh, .glb, .csv, .npz, .amass.npz")],
     fps: Annotated[float | None, typer.Option(metavar="RATE", help="Resample to this many frames a second.")] = None,
     retarget: Annotated[
         str | None, typer.Option(metavar="SKELETON", help="Move onto a named skeleton, as smpl22.")
     ] = None,
+    bones: Annotated[
+        bool, typer.Option("--bones", help="Into .glb: joints alone, on the motion's own skeleton.")
+    ] = False,
 ) -> None:
     """Convert a motion file, its formats told by the extensions.
 
+    A .glb gets the default body over its joints unless --bones is given.
+
     [bold]Examples[/bold]
 
-    motionloom convert walk.bvh walk.npz
+    motionloom convert walk.bvh walk.glb
 
     motionloom convert mocap.bvh house.bvh --fps 20 --retarget smpl22
     """
     import engines
     from engines import skeletons
+    from studio import tasks
 
     if fps is not None and not 1 <= fps <= 240:
         raise OutOfRangeError("--fps", fps, "1 to 240")
@@ -38,4 +44,5 @@ def convert(
     if fps is not None:
         motion = motion.resample(fps)
     target.parent.mkdir(parents=True, exist_ok=True)
-    typer.echo(motion.write(target))
+    skinned = target.suffix.lower() == ".glb" and not bones
+    typer.echo(tasks.write_skinned(motion, target) if skinned else motion.write(target))

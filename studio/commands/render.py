@@ -21,9 +21,9 @@ from studio.settings import VIDEO_FORMATS, format_of
 
 
 def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
-    file: Annotated[Path, typer.Argument(help="Motion file: .bvh, .npz, .mat")],
+    file: Annotated[Path, typer.Argument(help="Motion file: .bvh, .glb, .npz, .mat")],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Video: .mp4 or .gif. [FILE with .mp4]")
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Video: .mp4, .gif, .webm. [FILE with .mp4]")
     ] = None,
     settings: SettingsOption = None,
     width: WidthOption = None,

@@ -18,15 +18,23 @@ from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments
 from studio.wording import duration
 
-FORMATS = [("mp4", "MP4"), ("gif", "GIF"), ("bvh", "BVH"), ("npz", "NPZ"), ("amass", "AMASS")]
+FORMATS = [
+    ("mp4", "MP4"), ("webm", "WebM"), ("gif", "GIF"), ("png", "Strip"), ("bvh", "BVH"), ("glb", "GLB"), ("csv", "CSV"),
+    ("npz", "NPZ"), ("amass", "AMASS"),
+]  # fmt: skip
 SIZES = {
     "mp4": {"1280 × 720": (1280, 720), "1920 × 1080": (1920, 1080), "854 × 480": (854, 480), "720 × 720": (720, 720)},
+    "webm": {"1280 × 720": (1280, 720), "1920 × 1080": (1920, 1080), "854 × 480": (854, 480), "720 × 720": (720, 720)},
     "gif": {"480 × 270": (480, 270), "640 × 360": (640, 360), "400 × 400": (400, 400)},
 }
 CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
 _ABOUT = {
     "mp4": "Video for players, slides and the web.",
+    "webm": "Video for web pages; slower to write and smaller than MP4.",
     "gif": "Short video that plays anywhere; large for long takes.",
+    "png": "Poses side by side in one picture, as papers show motions.",
+    "glb": "Body with skin and animation for Blender, game engines and three.js.",
+    "csv": "Table of joint positions and rotations for spreadsheets and statistics.",
     "bvh": "Skeleton and rotations for Blender, Maya, Unreal and others.",
     "npz": "motionloom's own: lossless, with labels and all that made it.",
     "amass": "AMASS .npz with SMPL poses, for Python and research tools.",

@@ -10,7 +10,16 @@ import engines
 from engines import __version__
 from engines.errors import Cancelled
 from studio import tasks
-from studio.settings import GenerateSettings, Settings, read_settings, write_settings
+from studio.settings import (
+    FORMATS,
+    VIDEO_FORMATS,
+    ExportSettings,
+    GenerateSettings,
+    Settings,
+    ending,
+    read_settings,
+    write_settings,
+)
 from tests.studio.fakes import sway
 
 
@@ -236,3 +245,32 @@ def test_the_command_line_starts_without_torch_and_panel():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_convert_to_glb_with_a_body_and_without(run, tmp_path):
+    sway(frames=12).write(tmp_path / "walk.bvh")
+    assert run("convert", "walk.bvh", "body.glb") == (0, "body.glb\n", "")
+    assert run("convert", "walk.bvh", "bones.glb", "--bones") == (0, "bones.glb\n", "")
+    body, bones = engines.read(tmp_path / "body.glb"), engines.read(tmp_path / "bones.glb")
+    np.testing.assert_allclose(body.positions, bones.positions, atol=1e-5)
+    meshes = [b'"meshes"' in (tmp_path / name).read_bytes() for name in ("body.glb", "bones.glb")]
+    assert meshes == [True, False]
+
+
+def test_every_export_format_writes_its_own_kind_of_file(tmp_path):
+    starts = {
+        "mp4": b"ftyp", "gif": b"GIF8", "webm": b"\x1a\x45\xdf\xa3", "png": b"\x89PNG", "bvh": b"HIERARCHY",
+        "glb": b"glTF", "csv": b"frame,time_s", "npz": b"PK", "amass": b"PK",
+    }  # fmt: skip
+    assert set(starts) == set(FORMATS)
+    for kind, start in starts.items():
+        how = ExportSettings((kind,), 64, 64) if kind in VIDEO_FORMATS else ExportSettings((kind,))
+        path = tasks.export(sway(frames=3), tmp_path / f"walk{ending(kind)}", how)
+        assert start in path.read_bytes()[:16]
+    assert len(list(tmp_path.iterdir())) == len(FORMATS)
+
+
+def test_an_export_cancelled_in_time_leaves_nothing(tmp_path):
+    with pytest.raises(Cancelled):
+        tasks.export(sway(frames=3), tmp_path / "walk.glb", ExportSettings(("glb",)), cancel=lambda: True)
+    assert not list(tmp_path.iterdir())
