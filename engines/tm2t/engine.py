@@ -22,6 +22,7 @@ from engines.tm2t.config import TM2TConfig
 from engines.tm2t.losses import read_sentences
 from engines.tm2t.model import LONGEST_SENTENCE, TM2T
 from engines.tm2t.output import TokenFigures
+from engines.tm2t.packed import PackedGRU
 from engines.tm2t.prompts import Reader, Reading
 from engines.tm2t.sampling import sample, uniforms
 from engines.tm2t.vocabulary import FRAMES_A_TOKEN
@@ -74,6 +75,7 @@ class TM2TEngine:
         weights_hash: SHA-256 of its weights.
         encoder: of words; the one of the settings if none.
         variant: which of `variants` it is.
+        dtype: of the weights that every step of text2motion reads.
     """
 
     name = "tm2t"
@@ -83,7 +85,12 @@ class TM2TEngine:
     variants: tuple[str, ...] = ("small",)
 
     def __init__(
-        self, model: TM2T, weights_hash: str, encoder: TextEncoder | None = None, variant: str = "small"
+        self,
+        model: TM2T,
+        weights_hash: str,
+        encoder: TextEncoder | None = None,
+        variant: str = "small",
+        dtype: torch.dtype = torch.float32,
     ) -> None:
         self.model = model.eval().requires_grad_(False)
         self.config: TM2TConfig = model.config
@@ -93,6 +100,8 @@ class TM2TEngine:
         abilities |= {"caption"} if model.motion2text is not None else set()
         self.capabilities = frozenset(abilities | {"variants", "tokens"})
         self._encoder = encoder
+        early = isinstance(model.text2motion, AttentiveGRU) and not self.config.late_attention
+        self._packed = PackedGRU(model.text2motion, dtype) if early else None  # pyright: ignore[reportArgumentType]
         self._reader: Reader | None = None
 
     # ---- text to motion -----------------------------------------------------------------------------------
@@ -317,7 +326,7 @@ class TM2TEngine:
         rows = torch.tensor([different.index(sentence) for sentence in sentences])
         vectors, lengths = encoded.tokens[rows], encoded.mask.sum(1)[rows]
         if isinstance(net, AttentiveGRU):
-            steps: Any = net.steps(net.read(vectors, lengths))
+            steps: Any = (self._packed or net).steps(net.read(vectors, lengths))
         else:
             assert net is not None
             steps = net.steps(read_sentences(net, vectors, lengths))

@@ -100,4 +100,5 @@ def load(
     for path, array in ((vectors, made.vectors), (starts, made.starts)):
         with atomic_path(path) as temporary, temporary.open("wb") as file:
             np.save(file, array)
-    return made
+    # what lies on the disk need not lie in memory as well
+    return TokenVectors(np.load(vectors, mmap_mode="r"), made.starts)

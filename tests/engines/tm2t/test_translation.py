@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from engines.tm2t.attentive import AttentiveGRU, GRUSizes, unroll
+from engines.tm2t.packed import PackedGRU
 from engines.tm2t.transformer import Sizes, Translator
 
 SIZES = Sizes(source=9, target=7, width=16, inner=24, layers=2, heads=2, head_size=8)
@@ -109,3 +110,16 @@ def test_a_share_of_a_token_is_the_token() -> None:
     tokens = torch.tensor([4, 1])
     shares = torch.nn.functional.one_hot(tokens, 7).float()
     torch.testing.assert_close(net.steps(read).step_shares(shares), net.steps(read).step(tokens))
+
+
+@pytest.mark.parametrize("layers", [1, 2])
+def test_packed_says_the_same(layers: int) -> None:
+    net = gru(layers=layers).requires_grad_(False)
+    read = net.read(torch.randn(3, 5, 5), torch.tensor([5, 2, 4]))
+    plain, packed = net.steps(read), PackedGRU(net).steps(read)
+    half = PackedGRU(net, torch.bfloat16).steps(read)
+    for tokens in torch.randint(7, (5, 3)):
+        expected = plain.step(tokens)
+        torch.testing.assert_close(packed.step(tokens), expected, atol=1e-5, rtol=1e-4)
+        torch.testing.assert_close(packed.weights, plain.weights, atol=1e-5, rtol=1e-4)
+        torch.testing.assert_close(half.step(tokens), expected, atol=3e-2, rtol=3e-2)
