@@ -14,12 +14,20 @@ from pathlib import Path
 from typing import Any
 
 from engines.errors import FormatError
-from engines.formats import amass, bvh, csv_table, glb, npz, utd_mat
+from engines.formats import amass, amc, bvh, csv_table, glb, npz, utd_mat
 from engines.formats.files import atomic_path
 from engines.formats.registry import Format, by_name, check_options, find_reader, find_writer
 from engines.motion import Motion
 
-_FORMATS: tuple[Format, ...] = (npz.FORMAT, amass.FORMAT, bvh.FORMAT, glb.FORMAT, csv_table.FORMAT, utd_mat.FORMAT)
+_FORMATS: tuple[Format, ...] = (
+    npz.FORMAT,
+    amass.FORMAT,
+    bvh.FORMAT,
+    glb.FORMAT,
+    csv_table.FORMAT,
+    amc.FORMAT,
+    utd_mat.FORMAT,
+)
 
 
 def formats() -> tuple[Format, ...]:

@@ -75,7 +75,7 @@ def read(
     if merged:
         parameters["merged_into_root"] = merged
     known = roles.recognise(motion.skeleton.joints)
-    factor, parameters["unit"] = given or _unit(motion, known)
+    factor, parameters["unit"] = given or unit(motion, known)
     parameters["scale"] = factor
     parameters["up"] = _upright_axis(motion, known) if up == "auto" else up
     if averaged := _averaged(motion.skeleton, places, factor):
@@ -83,7 +83,7 @@ def read(
         _check_stretch(path, averaged, known, stretch)
     if parameters["up"] == "z":
         motion = _z_up_to_y_up(motion, known)
-    motion = _scaled(motion, factor)
+    motion = scaled(motion, factor)
     return as_house(motion).replaced(provenance=Provenance(source=path.name, parameters=parameters))
 
 
@@ -227,7 +227,7 @@ def _sample(motion: Motion) -> np.ndarray:
     )[0]
 
 
-def _unit(motion: Motion, known: dict[str, str]) -> tuple[float, str]:
+def unit(motion: Motion, known: dict[str, str]) -> tuple[float, str]:
     """Metres in the file's unit and its name: the unit in which the body is nearest to `BODY_HEIGHT`."""
     height = roles.body_height(motion.skeleton, known)
     if height <= 0:
@@ -261,7 +261,7 @@ def _z_up_to_y_up(motion: Motion, known: dict[str, str]) -> Motion:
     return motion.replaced(skeleton=skeleton, rotations=turns, translation=rotations.rotate(turn, motion.translation))
 
 
-def _scaled(motion: Motion, factor: float) -> Motion:
+def scaled(motion: Motion, factor: float) -> Motion:
     """Lengths in metres, and feet, pairs and hinges named from the joints."""
     skeleton = motion.skeleton.replaced(
         offsets=motion.skeleton.offsets * factor,
