@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
-from engines.errors import CheckpointError, OutOfRangeError, UnknownLabelError
+from engines.config import Config
+from engines.config import preset as named
+from engines.errors import OutOfRangeError
 
 Decoder = Literal["plain", "lie", "glmi-m", "glmi-r"]
 DECODERS: tuple[Decoder, ...] = ("plain", "lie", "glmi-m", "glmi-r")
 
 
 @dataclass(frozen=True)
-class Action2MotionConfig:
+class Action2MotionConfig(Config):
     """Sizes, schedules and vocabulary. The defaults are the preset `paper` (thesis section 3.3)."""
 
     decoder: Decoder = "glmi-m"
@@ -89,10 +90,6 @@ class Action2MotionConfig:
         """Action one-hot and time counter."""
         return len(self.actions) + self.time_counter
 
-    def replaced(self, **changes: Any) -> Action2MotionConfig:
-        """A copy with some fields changed."""
-        return replace(self, **changes)
-
     def checked(self) -> Action2MotionConfig:
         """Itself, once every number is in its range.
 
@@ -112,24 +109,6 @@ class Action2MotionConfig:
         if self.fps <= 0:
             raise OutOfRangeError("fps", self.fps, "a rate above 0")
         return self
-
-    def to_json(self) -> str:
-        """Readable JSON."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> Action2MotionConfig:
-        """The settings of a saved file.
-
-        Raises:
-            CheckpointError: unknown or missing fields.
-        """
-        values = json.loads(text)
-        unknown = set(values) - {f.name for f in fields(cls)}
-        if unknown:
-            raise CheckpointError(f"settings hold unknown fields {', '.join(sorted(unknown))}")
-        lists = {key: tuple(value) for key, value in values.items() if isinstance(value, list)}
-        return cls(**{**values, **lists})
 
 
 _AT_LEAST_ONE = frozenset(
@@ -168,11 +147,5 @@ PRESETS = {"paper": PAPER, "small": SMALL}
 
 
 def preset(name: str) -> Action2MotionConfig:
-    """A named preset.
-
-    Raises:
-        UnknownLabelError: no such preset.
-    """
-    if name not in PRESETS:
-        raise UnknownLabelError("preset", name, PRESETS)
-    return PRESETS[name]
+    """A named preset; `UnknownLabelError` if there is no such one."""
+    return named(name, PRESETS)

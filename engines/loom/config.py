@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field
 from typing import Any
 
-from engines.errors import CheckpointError, OutOfRangeError, UnknownLabelError
+from engines.config import Config
+from engines.config import preset as named
+from engines.errors import OutOfRangeError
 
 
 @dataclass(frozen=True)
-class LoomConfig:
+class LoomConfig(Config):
     """Sizes, schedules and vocabulary; the defaults are the preset `small`, which ships."""
 
     actions: tuple[str, ...] = ()
@@ -64,10 +65,6 @@ class LoomConfig:
     extra: Mapping[str, Any] = field(default_factory=dict)
     """Notes that travel with the weights."""
 
-    def replaced(self, **changes: Any) -> LoomConfig:
-        """A copy with some fields changed."""
-        return replace(self, **changes)
-
     def checked(self) -> LoomConfig:
         """Itself, once every number is in its range.
 
@@ -89,26 +86,6 @@ class LoomConfig:
             raise OutOfRangeError("unconditional + wordy + both", self.unconditional + self.wordy + self.both, "0 to 1")
         return self
 
-    def to_json(self) -> str:
-        """Readable JSON."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> LoomConfig:
-        """The settings of a saved file.
-
-        Raises:
-            CheckpointError: unknown fields.
-        """
-        values = json.loads(text)
-        unknown = set(values) - {f.name for f in fields(cls)}
-        if unknown:
-            raise CheckpointError(f"settings hold unknown fields {', '.join(sorted(unknown))}")
-        lists = {key: tuple(value) for key, value in values.items() if isinstance(value, list)}
-        if "usual_frames" in lists:
-            lists["usual_frames"] = tuple(tuple(row) for row in lists["usual_frames"])
-        return cls(**{**values, **lists})
-
 
 SMALL = LoomConfig()
 LARGE = LoomConfig(width=768, depth=12, heads=12, inner=3072, batch_size=512, steps=200_000, learning_rate=3e-4)
@@ -117,11 +94,5 @@ PRESETS = {"small": SMALL, "large": LARGE}
 
 
 def preset(name: str) -> LoomConfig:
-    """A named preset.
-
-    Raises:
-        UnknownLabelError: no such preset.
-    """
-    if name not in PRESETS:
-        raise UnknownLabelError("preset", name, PRESETS)
-    return PRESETS[name]
+    """A named preset; `UnknownLabelError` if there is no such one."""
+    return named(name, PRESETS)

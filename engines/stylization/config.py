@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from engines.errors import CheckpointError, OutOfRangeError, UnknownLabelError
+from engines.config import Config
+from engines.config import preset as named
+from engines.errors import OutOfRangeError, UnknownLabelError
 
 Latent = Literal["ae", "vae"]
 
 
 @dataclass(frozen=True)
-class StylizationConfig:
+class StylizationConfig(Config):
     """Sizes, loss weights and vocabulary. The defaults are the preset `paper` (thesis section 5.3)."""
 
     latent: Latent = "ae"
@@ -63,10 +64,6 @@ class StylizationConfig:
     extra: Mapping[str, Any] = field(default_factory=dict)
     """Notes that travel with the weights."""
 
-    def replaced(self, **changes: Any) -> StylizationConfig:
-        """A copy with some fields changed."""
-        return replace(self, **changes)
-
     @property
     def label_size(self) -> int:
         """How many numbers a label has in the networks: none in the unsupervised setting."""
@@ -91,24 +88,6 @@ class StylizationConfig:
             raise OutOfRangeError("batch_size", self.batch_size, "1 or more")
         return self
 
-    def to_json(self) -> str:
-        """Readable JSON."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> StylizationConfig:
-        """The settings of a saved file.
-
-        Raises:
-            CheckpointError: unknown fields.
-        """
-        values = json.loads(text)
-        unknown = set(values) - {f.name for f in fields(cls)}
-        if unknown:
-            raise CheckpointError(f"settings hold unknown fields {', '.join(sorted(unknown))}")
-        lists = {key: tuple(value) for key, value in values.items() if isinstance(value, list)}
-        return cls(**{**values, **lists})
-
 
 PAPER = StylizationConfig()
 SMALL = StylizationConfig(
@@ -126,7 +105,5 @@ def preset(name: str, supervised: bool = True) -> StylizationConfig:
     Raises:
         UnknownLabelError: no such preset.
     """
-    if name not in PRESETS:
-        raise UnknownLabelError("preset", name, PRESETS)
-    found = PRESETS[name]
+    found = named(name, PRESETS)
     return found if supervised else found.replaced(supervised=False, hsa_weight=0.1, cycle_weight=1.0, kl_weight=0.01)

@@ -8,9 +8,8 @@ their features and word vectors; theirs know other skeletons and rates.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ import torch
 from torch import Tensor, nn
 
 from engines import text
+from engines.config import Config
 from engines.metrics.evaluators.trunk import InRow, Trunk, describe, in_row
 from engines.motion import Motion
 from engines.weights_file import SHIPPED, fill, read_settings
@@ -27,7 +27,7 @@ _BATCH = 256
 
 
 @dataclass(frozen=True)
-class CoEmbeddingConfig:
+class CoEmbeddingConfig(Config):
     """Settings, saved as JSON beside the weights."""
 
     encoder: str = "minilm"
@@ -50,15 +50,6 @@ class CoEmbeddingConfig:
     weight_decay: float = 1e-2
     extra: dict[str, Any] = field(default_factory=dict)
     """Notes that travel with the weights."""
-
-    def to_json(self) -> str:
-        """Readable JSON."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> CoEmbeddingConfig:
-        """The settings of a saved file."""
-        return cls(**json.loads(text))
 
 
 class MotionSide(Trunk):

@@ -7,9 +7,8 @@ actions.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,6 +16,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from engines.config import Config
 from engines.errors import UnknownLabelError
 from engines.metrics.evaluators.trunk import Trunk, describe, pad
 from engines.metrics.recognition import Recognised
@@ -28,7 +28,7 @@ TASKS: tuple[Task, ...] = ("action", "content", "style")
 
 
 @dataclass(frozen=True)
-class RecogniserConfig:
+class RecogniserConfig(Config):
     """Settings, saved as JSON beside the weights."""
 
     task: Task = "action"
@@ -47,16 +47,6 @@ class RecogniserConfig:
     """Of the labels."""
     extra: dict[str, Any] = field(default_factory=dict)
     """Notes that travel with the weights."""
-
-    def to_json(self) -> str:
-        """Readable JSON."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> RecogniserConfig:
-        """The settings of a saved file."""
-        values = json.loads(text)
-        return cls(**{**values, "labels": tuple(values["labels"])})
 
 
 class RecogniserNet(Trunk):
