@@ -81,7 +81,7 @@ def start(  # noqa: PLR0913 - what a training begins from
     stage, config = check_stage(stage), config.checked()
     earlier = None if stage == "vq" else _earlier(stage, config, base)
     clips = data.mirrored(clips)
-    if stage == "m2t":
+    if earlier is not None and PARTS["m2t"] not in earlier.config.parts:
         assert material is not None
         said = {int(row) for clip in clips for row in material.told.of(clip)}
         config = config.replaced(words=Words.of(material.told.sentences[row] for row in sorted(said)).known)

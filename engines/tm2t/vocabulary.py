@@ -1,4 +1,8 @@
-"""The two vocabularies: motion tokens with their boundary marks, and the words of captions."""
+"""The two vocabularies: motion tokens with their boundary marks, and the words of captions.
+
+Words are kept as they are written. The thesis leaves tense and plural out of captions "to ease the learning process"
+(6.3.5); ours are read by people.
+"""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from engines.tm2t import official
 from engines.tm2t.official_weights import gru_of, our_name, translator_of
-from engines.tm2t.sampling import sample
+from engines.tm2t.sampling import gumbel_sample, sample
 from engines.tm2t.vocabulary import MotionTokens
 from tests.engines.action2motion.golden import cases, close, tensors
 
@@ -91,6 +91,20 @@ def test_golden_drawn_motions(path) -> None:
             if until == sure.shape[1] or until > length:
                 assert drawn.lengths[row] == length, (kind, row)
         assert compared > 10
+
+
+@pytest.mark.parametrize("path", cases(TOPIC, "*_seq2seq_*.npz"))
+def test_golden_gumbel_draws(path) -> None:
+    """The first two captions, the longest among them, as far as their noise is written down."""
+    a, net = arrays(path), gru(path)
+    noise = a["gumbel_topall_noise_first20steps_item01"]
+    steps = net.steps(net.read(a["word_emb"][:2], a["cap_lens"][:2]))
+    made = gumbel_sample(steps, vocabulary(net.sizes.tokens), noise, release=True)
+    drawn = made.shares.argmax(-1)
+    assert drawn.shape[1] > 4
+    assert torch.equal(drawn, a["gumbel_topall_tokens"][:2, 1 : drawn.shape[1] + 1])
+    for length, expected in zip(made.lengths.tolist(), a["gumbel_topall_len_map"][:2, 0].tolist(), strict=True):
+        assert length == min(expected, noise.shape[1])
 
 
 @pytest.mark.parametrize("path", cases(TOPIC, "*_cycle_*.npz"))

@@ -102,6 +102,7 @@ def test_a_stage_asks_for_what_it_needs(stages, tmp_path: Path) -> None:
         train.start(config(), "vq", [])
     state = fit("t2m", tmp_path / "alone", stages["vq"], changes={"alignment": 0.0, "steps": 1})
     assert "inverse_alignment" not in state.history[0]
+    assert train.model_of(state).config.words  # to say of a prompt which of its words are not known
     other = tmp_path / "other.safetensors"
     train.export(fit("vq", tmp_path / "other", changes={"steps": 1}, seed=1), other)
     with pytest.raises(CheckpointError, match="base was"):
