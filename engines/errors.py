@@ -9,6 +9,9 @@ import difflib
 from collections.abc import Iterable
 from pathlib import Path
 
+LONGEST = 1000
+"""Characters of a problem with a file that are told."""
+
 
 class MotionloomError(Exception):
     """Base of every error a person can cause and can mend."""
@@ -24,6 +27,8 @@ class FormatError(MotionloomError):
     """
 
     def __init__(self, path: str | Path, problem: str, line: int | None = None) -> None:
+        if len(problem) > LONGEST:  # a library's complaint may quote a damaged file at length
+            problem = problem[:LONGEST] + "…"
         self.path, self.problem, self.line = Path(path), problem, line
         where = f"{path}:{line}" if line is not None else f"{path}"
         super().__init__(f"{where}: {problem}")

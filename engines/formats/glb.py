@@ -247,12 +247,14 @@ def _motion(gltf: Gltf, tracks: Tracks, stretch: str) -> Motion:
 
 def _below_carriers(pose: _Pose, root: int) -> list[int]:
     """The joints from the root down; a root whose one child travels leaves its place to that child."""
-    while True:
-        children = [j for j, parent in enumerate(pose.parents) if parent == root]
-        bones = [float(np.linalg.norm(pose.places[j][0])) for j in range(root + 1, len(pose.parents))]
-        if len(children) != 1 or _travel(pose.places[children[0]]) <= max(STILL * max(bones, default=0.0), 1e-9):
+    children: dict[int, list[int]] = {}
+    for j, parent in enumerate(pose.parents):
+        children.setdefault(parent, []).append(j)
+    lengths = np.array([np.linalg.norm(place[0]) for place in pose.places])
+    while len(below := children.get(root, [])) == 1:
+        if _travel(pose.places[below[0]]) <= max(STILL * float(lengths[root + 1 :].max()), 1e-9):
             break
-        root = children[0]
+        root = below[0]
     kept = {root}
     for j, parent in enumerate(pose.parents):
         if parent in kept:

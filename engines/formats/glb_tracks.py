@@ -61,8 +61,8 @@ class Tracks:
         Raises:
             FormatError: no keys, or more frames than are read.
         """
-        path = self.gltf.path
-        inputs = [times for (node, _), (times, _, _) in self._keys.items() if node in set(nodes)]
+        path, wanted = self.gltf.path, set(nodes)
+        inputs = [times for (node, _), (times, _, _) in self._keys.items() if node in wanted]
         if not inputs:
             raise FormatError(path, f"animation {self.name!r} moves none of its joints.")
         start, end = min(times[0] for times in inputs), max(times[-1] for times in inputs)

@@ -100,6 +100,7 @@ class Gltf:
 
     def __init__(self, path: Path, data: bytes) -> None:
         self.path, self._unpacked = path, 0
+        self._checked: dict[str, list[dict[str, Any]]] = {}
         text, self._binary = _chunks(path, data)
         if len(text) > MAX_TEXT_BYTES:
             raise FormatError(path, f"has a description of {len(text):,} bytes; accepted: {MAX_TEXT_BYTES:,}.")
@@ -116,10 +117,12 @@ class Gltf:
         Raises:
             FormatError: it is no list of objects.
         """
-        found = self.document.get(name, [])
-        if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
-            raise FormatError(self.path, f"its {name!r} are no list of objects.")
-        return found
+        if name not in self._checked:  # once: files have been seen that refer to theirs a hundred thousand times
+            found = self.document.get(name, [])
+            if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
+                raise FormatError(self.path, f"its {name!r} are no list of objects.")
+            self._checked[name] = found
+        return self._checked[name]
 
     def item(self, name: str, index: object) -> dict[str, Any]:
         """One object of such a list.
