@@ -42,25 +42,44 @@ class Material:
     Args:
         told: captions of clips.
         encoder: of their tokens, for text2motion.
-        folder: where vectors of tokens are kept; nowhere if None.
+        vectors: what it makes of them; made here if they are not given.
     """
 
-    def __init__(self, told: data.Told, encoder: TextEncoder | None = None, folder: Path | None = None) -> None:
-        self.told = told
-        self.encoder = encoder
-        self.vectors: sentences.TokenVectors | None = None
-        if encoder is not None and folder is not None:
-            self.vectors = sentences.load(told.sentences, encoder, folder)
-        elif encoder is not None:
-            self.vectors = sentences.encode(told.sentences, encoder)
+    def __init__(
+        self, told: data.Told, encoder: TextEncoder | None = None, vectors: sentences.TokenVectors | None = None
+    ) -> None:
+        self.told, self.encoder = told, encoder
+        self.vectors = sentences.encode(told.sentences, encoder) if encoder and vectors is None else vectors
 
 
-def prepared(config: TM2TConfig, stage: str) -> Material | None:
-    """Captions of the prepared clips, and for text2motion their token vectors; made where they are missing."""
+def prepared(
+    config: TM2TConfig,
+    stage: str,
+    progress: Callable[[int, int], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Material | None:
+    """Captions of the prepared clips, and for text2motion their token vectors; made where they are missing.
+
+    Args:
+        config: names the text encoder.
+        stage: vq needs none.
+        progress: hears (done, to do) where they are made, which takes minutes.
+        cancel: asked meanwhile.
+
+    Raises:
+        FormatError: no prepared data, or the cache cannot be written.
+        Cancelled: `cancel` said so.
+    """
     if stage == "vq":
         return None
-    encoder = text.load(config.text_encoder) if stage == "t2m" else None
-    return Material(encoded.load(), encoder, datasets.cache_folder())
+    told = encoded.load(progress=(lambda done, total, _: progress(done, total)) if progress else None, cancel=cancel)
+    if stage == "m2t":
+        return Material(told)
+    encoder = text.load(config.text_encoder)
+    return Material(told, encoder, sentences.load(told.sentences, encoder, datasets.cache_folder(), progress, cancel))
+
+
+Prepare = Callable[[TM2TConfig, str], Material | None]
 
 
 def start(  # noqa: PLR0913 - what a training begins from
@@ -117,7 +136,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
     clips: Sequence[datasets.Clip] | None = None,
     *,
     base: Path | None = None,
-    material: Material | None = None,
+    prepare: Prepare = prepared,
     validation: Sequence[datasets.Clip] | None = None,
     seed: int = 0,
     corpora: Sequence[str] | None = None,
@@ -136,7 +155,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
         folder: gets the checkpoint, the settings and the logs.
         clips: the training split of the prepared data by default.
         base: weights of the stage before, written by `export`.
-        material: captions; of the prepared data by default.
+        prepare: gives the captions; those of the prepared data by default.
         validation: clips held back; the validation split of the prepared data if `clips` are not given either.
         seed: of the first weights and of everything drawn.
         corpora: of the prepared data, all by default.
@@ -157,7 +176,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
         clips, held_back = datasets.load("train", corpora), datasets.load("val", corpora)
     else:
         held_back = list(validation or [])
-    material = material or prepared(config, stage)
+    material = prepare(config, stage)
     state, source = start(config, stage, clips, base=base, material=material, seed=seed, plan=plan)
     model = model_of(state)
     fabric = launch(device, state.plan.precision)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from engines.errors import OutOfRangeError, UnknownLabelError
+from studio.commands.console import progress_bar
 from studio.commands.training import (
     DataOption,
     DeviceOption,
@@ -145,11 +146,17 @@ def tm2t(  # noqa: PLR0913, PLR0917 (one parameter an option)
     chosen, plan = settings(run, before, preset, changes or [], config)
     chosen = chosen if steps is None else chosen.replaced(steps=steps)
     with stoppable() as stopped, bar() as tick:
+
+        def captions(of: config.TM2TConfig, stage: str) -> train.Material | None:
+            with progress_bar("captions", unit="") as told:
+                return train.prepared(of, stage, told, stopped)
+
         state = train.fit(
             chosen,
             stage,
             run,
             base=base,
+            prepare=captions,
             seed=seed,
             corpora=corpora_asked,
             plan=plan,

@@ -14,7 +14,7 @@ from tests.engines.tm2t.tiny import SIZES, material
 def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(config.PRESETS, "small", config.SMALL.replaced(**SIZES))
     monkeypatch.setattr(datasets, "load", lambda split=None, *_: clips(1) if split != "val" else [])
-    monkeypatch.setattr(train, "prepared", lambda _config, stage: None if stage == "vq" else material())
+    monkeypatch.setattr(train, "prepared", lambda _config, stage, *_: None if stage == "vq" else material())
 
 
 def test_three_stages_one_after_another(run, tmp_path):

@@ -21,9 +21,12 @@ CHANGES = {"steps": 4, "words": (), "parts": (), "texts_each": 2}
 
 def fit(stage: str, folder: Path, base: Path | None = None, **options):
     settings = config(**{**CHANGES, **options.pop("changes", {})})
-    told = None if stage == "vq" else material()
+
+    def prepare(_config, stage: str) -> train.Material | None:
+        return None if stage == "vq" else material()
+
     return train.fit(
-        settings, stage, folder, clips(), base=base, material=told, validation=clips(1), plan=PLAN, **options
+        settings, stage, folder, clips(), base=base, prepare=prepare, validation=clips(1), plan=PLAN, **options
     )
 
 
