@@ -95,7 +95,8 @@ def _beside(path: Path) -> Path:
         return there[0]
     raise FormatError(
         path,
-        f"needs its skeleton: {path.stem.split('_')[0]}.asf or {path.stem}.asf beside it, or read(..., skeleton=...).",
+        "needs its skeleton: an .asf beside it, of its name or of what stands before the first '_' (38.asf for "
+        "38_01.amc), or read(..., skeleton=...). Where one file is taken alone, convert it first: motionloom convert.",
     )
 
 

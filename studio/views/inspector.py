@@ -30,7 +30,7 @@ SIZES = {
 CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
 _ABOUT = {
     "mp4": "Video for players, slides and the web.",
-    "webm": "Video for web pages; slower to write and smaller than MP4.",
+    "webm": "Video for web pages, smaller than MP4.",
     "gif": "Short video that plays anywhere; large for long takes.",
     "png": "Poses side by side in one picture, as papers show motions.",
     "glb": "Body with skin and animation for Blender, game engines and three.js.",

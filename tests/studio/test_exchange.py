@@ -66,7 +66,7 @@ def test_pieces_that_do_not_fit_are_refused_and_forgotten(started, pieces):
 @pytest.mark.parametrize(
     ("name", "data", "says"),
     [
-        ("notes.txt", b"hello", "notes.txt: files of this kind are not read; accepted: .bvh"),
+        ("notes.txt", b"hello", "notes.txt: files of this kind are not read; accepted: .amc, .asf, .bvh"),
         ("empty.bvh", b"", "empty.bvh: the file is empty"),
         ("broken.bvh", b"HIERARCHY\nROOT hips\n{\n  OFFSET 0 0\n", "broken.bvh:"),
         ("broken.npz", b"PK\x03\x04 not really", "broken.npz:"),
@@ -169,3 +169,11 @@ def test_download_needs_both_key_and_name(tmp_path):
     assert downloads.find("wrong", name) is None
     file.unlink()
     assert downloads.find(key, name) is None
+
+
+def test_a_glb_is_imported_and_a_lone_amc_is_told_what_it_lacks(tmp_path):
+    sent = sway(frames=12)
+    motion = read_upload("walk.GLB", sent.write(tmp_path / "walk.glb").read_bytes())
+    assert len(motion) == 12 and motion.fps == sent.fps
+    with pytest.raises(FormatError, match=r"^38_01\.amc: needs its skeleton: an \.asf beside it.* motionloom convert"):
+        read_upload("38_01.amc", b":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 0 0 0 0 0\n")

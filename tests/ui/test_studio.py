@@ -175,7 +175,7 @@ def test_one_export_after_another(tab, tmp_path):
     """Each press brings its file: not the page, which the empty address between two exports would bring."""
     page = tab.page
     page.get_by_role("tab", name="Export").click()
-    for kind, start in {"BVH": b"HIERARCHY", "GIF": b"GIF89a", "NPZ": b"PK"}.items():
+    for kind, start in {"BVH": b"HIERARCHY", "GLB": b"glTF", "GIF": b"GIF89a", "NPZ": b"PK"}.items():
         page.get_by_role("radio", name=kind).click()
         file = download(tab, lambda kind=kind: page.get_by_role("button", name=f"Export take 1 as {kind}").click())
         path = tmp_path / file.suggested_filename

@@ -125,7 +125,7 @@ def test_the_skeleton_is_found_or_given(small, tmp_path):
     (tmp_path / "07.asf").rename(tmp_path / "other.asf")
     assert formats.read(small).provenance.parameters["skeleton"] == "other.asf"  # the only one
     (tmp_path / "third.asf").write_text(SMALL_ASF)
-    with pytest.raises(FormatError, match=r"needs its skeleton: 07\.asf or 07_01\.asf beside it"):
+    with pytest.raises(FormatError, match=r"needs its skeleton: an \.asf beside it"):
         formats.read(small)
     assert len(formats.read(small, skeleton=tmp_path / "third.asf")) == 2
     with pytest.raises(FormatError, match="is a skeleton without motion"):
