@@ -127,16 +127,25 @@ def export(
         return _WRITERS.get(str(kind), Motion.write)(motion.resample(settings.fps) if settings.fps else motion, path)
     import viewers
 
-    return viewers.render(
-        motion,
-        path,
-        width=settings.width,
-        height=settings.height,
-        fps=settings.fps,
-        camera=settings.camera,
-        progress=progress,
-        cancel=cancel,
-    )
+    return viewers.render(motion, path, progress=progress, cancel=cancel, **_video(settings))
+
+
+def export_pictures(
+    motion: Motion,
+    folder: Path,
+    settings: ExportSettings,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+) -> Path:
+    """Write the frames of a video as numbered .png into a new folder, by the settings. Returns the folder."""
+    from viewers import video
+
+    return video.render_pngs(motion, folder, progress=progress, cancel=cancel, **_video(settings))
+
+
+def _video(settings: ExportSettings) -> dict[str, Any]:
+    """What a renderer of videos is told."""
+    return {name: getattr(settings, name) for name in ("width", "height", "fps", "camera")}
 
 
 def write_skinned(motion: Motion, path: Path) -> Path:

@@ -274,3 +274,13 @@ def test_an_export_cancelled_in_time_leaves_nothing(tmp_path):
     with pytest.raises(Cancelled):
         tasks.export(sway(frames=3), tmp_path / "walk.glb", ExportSettings(("glb",)), cancel=lambda: True)
     assert not list(tmp_path.iterdir())
+
+
+def test_render_into_a_folder_of_pictures(run, tmp_path):
+    sway(frames=3).write(tmp_path / "walk.bvh")
+    options = ("--width", "64", "--height", "64", "--fps", "20")
+    assert run("render", "walk.bvh", "-o", "frames", *options)[:2] == (0, "frames\n")
+    names = [path.name for path in sorted((tmp_path / "frames").iterdir())]
+    assert names == ["frame-00001.png", "frame-00002.png", "frame-00003.png"]
+    code, _, err = run("render", "walk.bvh", "-o", "frames", *options)
+    assert code == 1 and "frames: is already there" in err
