@@ -72,7 +72,7 @@ class GenerateSettings:
     """Keep only this one of them, counted from 1; null keeps all."""
     bone_scale: Mapping[str, float] = field(default_factory=dict)
     """Joint name -> factor (0.5 to 2) on the bone that leads to it; "*" for all others."""
-    guidance: float = 2.0
+    guidance: float = 3.0
     """How strongly action, style and words are followed, 0 to 10."""
     best_of: int = 1
     """So many are drawn for each that is kept, the one that moves best; 1 to 16."""

@@ -58,7 +58,7 @@ class StudioState(param.Parameterized):
     bone_scale = param.Dict({}, doc="Joint -> factor.")
     style = param.String("", doc="In which manner; empty: any.")
     prompt = param.String("", doc="What is to be seen, in words.")
-    guidance = param.Number(2.0, bounds=(0, MAX_GUIDANCE), doc="How strongly the request is followed.")
+    guidance = param.Number(3.0, bounds=(0, MAX_GUIDANCE), doc="How strongly the request is followed.")
     best_of = param.Integer(1, bounds=(1, MAX_BEST_OF), doc="So many are drawn for each take; the best is kept.")
     pinned = param.ClassSelector(class_=Pinned, default=NOTHING, doc="What is pinned of the motion to come.")
     tool = param.Selector(default="none", objects=["none", "path", "joint"], doc="What the mouse draws on the stage.")

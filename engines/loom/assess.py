@@ -13,6 +13,7 @@ import numpy as np
 from engines.datasets import Clip
 from engines.evaluation import prompts
 from engines.loom.engine import LoomEngine
+from engines.loom.passes import GUIDANCE
 from engines.loom.representation import frames_of
 from engines.metrics import distribution, evaluators, physical
 from engines.motion import Motion
@@ -44,7 +45,7 @@ class Assessment:
 
 
 def assess(
-    engine: LoomEngine, clips: Sequence[Clip], draws: int = 8, seed: int = 11, guidance: float = 2.0
+    engine: LoomEngine, clips: Sequence[Clip], draws: int = 8, seed: int = 11, guidance: float = GUIDANCE
 ) -> Assessment:
     """All figures.
 

@@ -23,7 +23,7 @@ from engines.loom.constraints import NOTHING, Constraints, Keep, Pin
 from engines.loom.constraints import Path as FloorPath
 from engines.loom.known import PARTS
 from engines.loom.model import Loom
-from engines.loom.passes import FPS, LOOP, How, Passes, Request
+from engines.loom.passes import FPS, GUIDANCE, LOOP, How, Passes, Request
 from engines.loom.plan import windows
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
@@ -89,7 +89,7 @@ class LoomEngine:
         style: str | None = None,
         prompt: str | None = None,
         constraints: Constraints | None = None,
-        guidance: float = 2.0,
+        guidance: float = GUIDANCE,
         steps: int = 6,
         best_of: int = 1,
         bone_scale: Mapping[str, float] | None = None,
@@ -158,7 +158,7 @@ class LoomEngine:
         """
         if not segments:
             raise OutOfRangeError("segments", segments, "one or more (action, frames)")
-        how = How(told.get("guidance", 2.0), told.get("steps", 6))
+        how = How(told.get("guidance", GUIDANCE), told.get("steps", 6))
         asked = []
         for action, frames in segments:
             _check("frames", frames, 1, MAX_FRAMES)
@@ -194,7 +194,7 @@ class LoomEngine:
         _check("frames", frames, keep + 1, MAX_FRAMES)
         _check("count", count, 1, MAX_COUNT)
         request = self._request(action, told.get("style"), told.get("prompt"))
-        how = How(told.get("guidance", 2.0), told.get("steps", 6))
+        how = How(told.get("guidance", GUIDANCE), told.get("steps", 6))
         made: list[Motion] = []
         for indices in _chunks(count, frames):
             given = [house[:keep]] * len(indices)
@@ -236,7 +236,7 @@ class LoomEngine:
         share = torch.linspace(0, 1, steps)[:, None, None] * (math.pi / 2)
         # two independent normal draws are at right angles, so this keeps the length of the noise
         noise = torch.cos(share) * a.noise + torch.sin(share) * b.noise
-        how = How(told.get("guidance", 2.0), 6)
+        how = How(told.get("guidance", GUIDANCE), 6)
         (window,) = windows(self.config, [(request.action, a.frames)])[:1]
         motions, _ = self._passes.window(window, request, noise, how)
         parameters = {"frames": a.frames, "interpolate": [a.seed, b.seed], "style": style}
@@ -252,7 +252,7 @@ class LoomEngine:
         keep_path: bool = True,
         count: int = 1,
         seed: int = 0,
-        guidance: float = 2.5,
+        guidance: float = GUIDANCE,
     ) -> list[Motion]:
         """The same motion in another manner.
 

@@ -21,6 +21,9 @@ from engines.loom.representation import LAYOUT, frames_of
 from engines.motion import Motion
 
 FPS = 20.0
+GUIDANCE = 3.0
+"""How strongly what is told is followed, unless it is said: of 61 actions more are recognised than at 2, and feet
+slide less than at 4."""
 _FACING = {"walk backward": math.pi}
 """How a body faces beside the way it goes, radians, where it is not ahead."""
 
@@ -44,7 +47,7 @@ class Request:
 class How:
     """How passes are sampled."""
 
-    guidance: float = 2.0
+    guidance: float = GUIDANCE
     steps: int = 6
     constraints: Constraints = NOTHING
     start: tuple[Tensor, float] | None = None

@@ -103,14 +103,14 @@ def test_an_engine_is_told_only_what_it_can_be_told():
     settings = GenerateSettings(action="", prompt="walk", style="old", guidance=1.0, constraints=Pinned(path=WAY))
     told = tasks.told(settings, ConstrainedEngine())
     assert told.keys() == {"prompt", "style", "guidance", "best_of", "constraints"}
-    assert tasks.told(GenerateSettings(), ConstrainedEngine()) == {"guidance": 2.0, "best_of": 1}
+    assert tasks.told(GenerateSettings(), ConstrainedEngine()) == {"guidance": 3.0, "best_of": 1}
 
 
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
         ({"style": "old"}, "takes no style"), ({"prompt": "hop"}, "takes no prompt"),
-        ({"best_of": 2}, "best of several"), ({"guidance": 3.0}, "guidance"),
+        ({"best_of": 2}, "best of several"), ({"guidance": 4.0}, "guidance"),
         ({"constraints": Pinned(loop=True)}, "takes no pins"),
     ],
 )  # fmt: skip

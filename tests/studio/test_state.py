@@ -53,7 +53,7 @@ def test_export_settings_follow_the_controls(state):
 def able(state):
     """The state with an engine that takes styles, words and pins."""
     state.param.update(
-        capabilities=ConstrainedEngine.capabilities, styles=["happy"], style="happy", guidance=3.0, best_of=2,
+        capabilities=ConstrainedEngine.capabilities, styles=["happy"], style="happy", guidance=4.0, best_of=2,
         prompt="  a person\n waves ", max_pinned=200, bone_scale={"left_knee": 1.1},
         pinned=Pinned(path=((0.0, 0.0), (0.0, 2.0))),
     )  # fmt: skip
@@ -63,13 +63,13 @@ def able(state):
 def test_what_an_engine_cannot_be_told_is_not_asked_of_it(able):
     able.capabilities = frozenset({"actions"})
     asked = able.generate_settings()
-    assert (asked.style, asked.prompt, asked.guidance, asked.best_of, asked.bone_scale) == ("", "", 2.0, 1, {})
+    assert (asked.style, asked.prompt, asked.guidance, asked.best_of, asked.bone_scale) == ("", "", 3.0, 1, {})
     assert not asked.constraints
 
 
 def test_an_action_or_words_are_asked_by_the_tab_last_open(able):
     asked = able.generate_settings()
-    assert (asked.action, asked.prompt, asked.style, asked.guidance, asked.best_of) == ("walk", "", "happy", 3.0, 2)
+    assert (asked.action, asked.prompt, asked.style, asked.guidance, asked.best_of) == ("walk", "", "happy", 4.0, 2)
     able.compose_tab = "text"
     able.compose_tab = "import"
     asked = able.generate_settings()
