@@ -25,7 +25,7 @@ def test_there_and_back_with_tuples_in_tuples() -> None:
 
 @pytest.mark.parametrize("text", ["", "[1, 2]", '"x"', '{"width": 1, "wide": 2}'])
 def test_what_is_no_settings_is_refused(text: str) -> None:
-    with pytest.raises(CheckpointError, match="wide|Sizes"):
+    with pytest.raises(CheckpointError, match=r"wide|Sizes"):
         Sizes.from_json(text)
 
 
