@@ -100,7 +100,7 @@ By action: {by_action}.
 
 By style: {by_style}.
 
-The table beside the published engines: `docs/evaluation-action2motion.md`.
+Beside the published engines: the table in README.md (`motionloom evaluate loom action2motion --out report/`).
 
 ## Losses
 
