@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from numbers import Integral
 from pathlib import Path
 
 LONGEST = 1000
@@ -39,6 +40,16 @@ class OutOfRangeError(MotionloomError, ValueError):
 
     def __init__(self, name: str, value: object, accepted: str) -> None:
         super().__init__(f"{name} is {value!r}; accepted: {accepted}.")
+
+
+def demand_whole(name: str, value: object, low: int, high: int) -> None:
+    """Refuse what is no whole number from `low` to `high`; integers of NumPy count, True and False do not.
+
+    Raises:
+        OutOfRangeError: it is none; the message names it and the range.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= value <= high:  # type: ignore[operator]
+        raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")
 
 
 class UnknownLabelError(MotionloomError, ValueError):

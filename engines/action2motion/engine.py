@@ -19,7 +19,7 @@ from engines.action2motion.output import Upsampler, to_motions
 from engines.action2motion.plan import HOUSE_FPS, Plan
 from engines.action2motion.representation import encode
 from engines.actions import Action
-from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
 from engines.weights_file import fill, read_settings
@@ -100,7 +100,7 @@ class Action2MotionEngine:
             OutOfRangeError: a number is outside its range.
         """
         label = self._label(action)
-        _check("count", count, 1, MAX_COUNT)
+        demand_whole("count", count, 1, MAX_COUNT)
         plan = self._plan([(label, frames)])
         parameters: dict[str, Any] = {"variant": self.variant, "frames": plan.frames}
         if bone_scale:
@@ -133,7 +133,7 @@ class Action2MotionEngine:
             whole: walk between the latents of every frame, or (False) only between those of the first pose, the
                 rest being drawn from the prior with the seed of `a`.
         """
-        _check("steps", steps, 2, 64)
+        demand_whole("steps", steps, 2, 64)
         if a.values.shape != b.values.shape:
             raise OutOfRangeError("length of the second latents", b.frames, f"{a.frames} frames, as the first")
         plan = self._plan([(self._label(action), a.frames)])
@@ -179,9 +179,9 @@ class Action2MotionEngine:
         if self.variant == "plain":
             raise MotionloomError("the plain variant has no rotations to go on from; outpaint with 'glmi-m' or 'lie'")
         house = motion.retarget(SMPL22).resample(HOUSE_FPS)
-        _check("keep", keep, 1, len(house))
-        _check("frames", frames, keep + 1, MAX_FRAMES)
-        _check("count", count, 1, MAX_COUNT)
+        demand_whole("keep", keep, 1, len(house))
+        demand_whole("frames", frames, keep + 1, MAX_FRAMES)
+        demand_whole("count", count, 1, MAX_COUNT)
         plan = self._plan([(self._label(action), frames)])
         stride = round(HOUSE_FPS / self.config.fps)
         # the model's frames end on the last kept one, so that what follows sets in right after it
@@ -212,9 +212,9 @@ class Action2MotionEngine:
 
     def _plan(self, parts: Sequence[tuple[int, int]]) -> Plan:
         for _, frames in parts:
-            _check("frames", frames, 1, MAX_FRAMES)
+            demand_whole("frames", frames, 1, MAX_FRAMES)
         total = sum(frames for _, frames in parts)
-        _check("frames", total, 1, MAX_FRAMES)
+        demand_whole("frames", total, 1, MAX_FRAMES)
         return Plan(self.config, tuple((label, int(frames)) for label, frames in parts))
 
     def _conditions(self, plan: Plan, count: int) -> Tensor:
@@ -224,7 +224,7 @@ class Action2MotionEngine:
 
     def _noise(self, seed: int, indices: Sequence[int], steps: int) -> Tensor:
         """(T, B, Z) standard normal, each motion's from its own stream."""
-        _check("seed", seed, 0, 2**63 - 1)
+        demand_whole("seed", seed, 0, 2**63 - 1)
         draws = []
         for index in indices:
             generator = torch.Generator().manual_seed((seed * 1_000_003 + index) % 2**63)
@@ -345,11 +345,6 @@ def _chunks(count: int, frames: int) -> Iterator[range]:
     size = max(1, min(_CHUNK, _CHUNK_FRAMES // frames))
     for start in range(0, count, size):
         yield range(start, min(count, start + size))
-
-
-def _check(name: str, value: int, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")
 
 
 def _spherical(a: Tensor, b: Tensor, share: Tensor) -> Tensor:

@@ -17,7 +17,7 @@ import torch
 
 from engines.action2motion.official import OfficialModel
 from engines.actions import Action
-from engines.errors import Cancelled, CheckpointError, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, CheckpointError, UnknownLabelError, demand_whole
 from engines.geometry import canonical, inverse, retarget
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
@@ -120,9 +120,9 @@ class OfficialEngine:
         name = _plain_words(action)
         if name not in self._labels:
             raise UnknownLabelError("action", action, self._labels)
-        _check("count", count, 1, MAX_COUNT)
-        _check("frames", frames, 1, MAX_FRAMES)
-        _check("seed", seed, 0, 2**63 - 1)
+        demand_whole("count", count, 1, MAX_COUNT)
+        demand_whole("frames", frames, 1, MAX_FRAMES)
+        demand_whole("seed", seed, 0, 2**63 - 1)
         parameters = {"variant": self.variant, "frames": int(frames)}
         if bone_scale:
             parameters["bone_scale"] = dict(bone_scale)
@@ -194,8 +194,3 @@ def load_official_engine(path: str | Path) -> OfficialEngine:
 def _plain_words(label: str) -> str:
     """ "Warm_up" -> "warm up": how the studio writes actions."""
     return " ".join(str(label).lower().replace("_", " ").split())
-
-
-def _check(name: str, value: int, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")

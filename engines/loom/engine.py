@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from engines import actions as vocabulary
 from engines import weights_file
 from engines.actions import Action
-from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.loom import output
 from engines.loom.config import LoomConfig
 from engines.loom.constraints import NOTHING, Constraints, Keep, Pin
@@ -99,7 +98,7 @@ class LoomEngine:
         """Different motions of what is asked, in batched passes.
 
         Args:
-            action: a name of `actions`; may be left out where a prompt is given.
+            action: a name of `actions`; left out, the prompt says all, or chance.
             count: 1 to 1024.
             frames: 1 to 12,000 at 20 fps.
             seed: 0 to 2^63 - 1; the same seed gives the same motions, and motion i does not depend on `count`
@@ -116,13 +115,13 @@ class LoomEngine:
 
         Raises:
             UnknownLabelError: an action or a style that is not known; the message lists the nearest.
-            OutOfRangeError: a number is outside its range, or nothing was asked for.
+            OutOfRangeError: a number is outside its range.
             MotionloomError: constraints contradict each other.
         """
-        _check("count", count, 1, MAX_COUNT)
-        _check("frames", frames, 1, MAX_FRAMES)
-        _check("steps", steps, 1, 100)
-        _check("best_of", best_of, 1, 16)
+        demand_whole("count", count, 1, MAX_COUNT)
+        demand_whole("frames", frames, 1, MAX_FRAMES)
+        demand_whole("steps", steps, 1, 100)
+        demand_whole("best_of", best_of, 1, 16)
         if not 0.0 <= guidance <= 10.0:
             raise OutOfRangeError("guidance", guidance, "0 to 10")
         request = self._request(action, style, prompt)
@@ -161,9 +160,9 @@ class LoomEngine:
         how = How(told.get("guidance", GUIDANCE), told.get("steps", 6))
         asked = []
         for action, frames in segments:
-            _check("frames", frames, 1, MAX_FRAMES)
+            demand_whole("frames", frames, 1, MAX_FRAMES)
             asked.append((self._request(action, told.get("style"), told.get("prompt")), frames))
-        _check("frames", sum(frames for _, frames in asked), 1, MAX_FRAMES)
+        demand_whole("frames", sum(frames for _, frames in asked), 1, MAX_FRAMES)
         motions, _ = self._passes.perform(asked, seed, [0], how)
         parameters = {"segments": [[name, int(frames)] for name, frames in segments], **told}
         return self._finished(motions, asked, seed, range(1), parameters)[0]
@@ -190,9 +189,9 @@ class LoomEngine:
             told: `style`, `prompt`, `guidance`, `steps`.
         """
         house = motion.retarget(SMPL22).resample(FPS)
-        _check("keep", keep, 1, len(house))
-        _check("frames", frames, keep + 1, MAX_FRAMES)
-        _check("count", count, 1, MAX_COUNT)
+        demand_whole("keep", keep, 1, len(house))
+        demand_whole("frames", frames, keep + 1, MAX_FRAMES)
+        demand_whole("count", count, 1, MAX_COUNT)
         request = self._request(action, told.get("style"), told.get("prompt"))
         how = How(told.get("guidance", GUIDANCE), told.get("steps", 6))
         made: list[Motion] = []
@@ -213,7 +212,7 @@ class LoomEngine:
     def latents(self, action: str, seed: int = 0, frames: int = 60) -> Draw:
         """The noise that `generate(action, frames, seed)` begins from."""
         self._request(action, None, None)
-        _check("frames", frames, 1, self.config.longest)
+        demand_whole("frames", frames, 1, self.config.longest)
         return Draw(action, self._passes.noise(seed, [0], frames)[0], frames, seed)
 
     def interpolate(
@@ -229,7 +228,7 @@ class LoomEngine:
             style: a name of `styles`.
             told: `prompt`, `guidance`.
         """
-        _check("steps", steps, 2, 64)
+        demand_whole("steps", steps, 2, 64)
         if a.noise.shape != b.noise.shape:
             raise OutOfRangeError("length of the second draw", b.frames, f"{a.frames} frames, as the first")
         request = self._request(action, style, told.get("prompt"))
@@ -269,7 +268,7 @@ class LoomEngine:
         if not 0.0 < strength <= 1.0:
             raise OutOfRangeError("strength", strength, "above 0 and up to 1")
         house = motion.retarget(SMPL22).resample(FPS)
-        _check("frames of the motion", len(house), 1, self.config.longest)
+        demand_whole("frames of the motion", len(house), 1, self.config.longest)
         shown = action or house.label_at(0)
         request = self._request(shown if shown in self.config.actions else None, style, None)
         constraints = NOTHING
@@ -389,11 +388,6 @@ def _chunks(count: int, frames: int) -> Iterator[range]:
     size = max(1, _CHUNK_FRAMES // min(frames, 200))
     for start in range(0, count, size):
         yield range(start, min(count, start + size))
-
-
-def _check(name: str, value: int, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")
 
 
 def _best(motions: list[Motion], best_of: int) -> list[Motion]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from engines.errors import CheckpointError, OutOfRangeError, UnknownLabelError
+from engines.config import Config
+from engines.config import preset as named
+from engines.errors import OutOfRangeError, UnknownLabelError
 
 STAGES = ("vq", "m2t", "t2m")
 """In the order in which they are trained."""
@@ -17,7 +18,7 @@ PARTS = {"vq": "tokenizer", "m2t": "motion2text", "t2m": "text2motion"}
 
 
 @dataclass(frozen=True)
-class TM2TConfig:
+class TM2TConfig(Config):
     """Sizes and schedules of all three stages; the defaults are the preset `small`, which ships."""
 
     parts: tuple[str, ...] = ()
@@ -108,10 +109,6 @@ class TM2TConfig:
         """Motion tokens of the longest motion, four frames each."""
         return self.longest // 4
 
-    def replaced(self, **changes: Any) -> TM2TConfig:
-        """A copy with some fields changed."""
-        return replace(self, **changes)
-
     def checked(self) -> TM2TConfig:
         """Itself, once every number is in its range.
 
@@ -134,27 +131,6 @@ class TM2TConfig:
             raise OutOfRangeError("temperature", self.temperature, "above 0")
         return self
 
-    def to_json(self) -> str:
-        """Readable JSON."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> TM2TConfig:
-        """The settings of a saved file.
-
-        Raises:
-            CheckpointError: not JSON of settings, or unknown fields.
-        """
-        try:
-            values = dict(json.loads(text))
-        except (ValueError, TypeError) as error:
-            raise CheckpointError(f"the settings are not those of TM2T: {error}") from error
-        unknown = set(values) - {f.name for f in fields(cls)}
-        if unknown:
-            raise CheckpointError(f"settings hold unknown fields {', '.join(sorted(unknown))}")
-        lists = {key: tuple(value) for key, value in values.items() if isinstance(value, list)}
-        return cls(**{**values, **lists})
-
 
 _COUNTS = (
     "text_size", "codes", "code_size", "vq_width", "decoder_blocks", "vq_window", "longest", "text_hidden",
@@ -174,14 +150,8 @@ PRESETS = {"small": SMALL, "paper": PAPER}
 
 
 def preset(name: str) -> TM2TConfig:
-    """A named preset.
-
-    Raises:
-        UnknownLabelError: no such preset.
-    """
-    if name not in PRESETS:
-        raise UnknownLabelError("preset", name, PRESETS)
-    return PRESETS[name]
+    """A named preset; `UnknownLabelError` if there is no such one."""
+    return named(name, PRESETS)
 
 
 def check_stage(name: str) -> Stage:

@@ -13,7 +13,7 @@ import torch
 from torch import Tensor
 
 from engines import text
-from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError
+from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.motion import Motion, Provenance, Segment
 from engines.text import TextEncoder
 from engines.tm2t import output, search, train
@@ -156,7 +156,7 @@ class TM2TEngine:
             MotionloomError: the prompt is empty or cannot be read, or the weights make no motions.
             OutOfRangeError: a number is outside its range.
         """
-        _check("count", count, 1, MAX_COUNT)
+        demand_whole("count", count, 1, MAX_COUNT)
         return self._make([prompt or action or ""] * count, range(count), frames, seed, top_k, temperature,
                           bone_scale, progress, cancel)  # fmt: skip
 
@@ -172,7 +172,7 @@ class TM2TEngine:
         cancel: Callable[[], bool] | None = None,
     ) -> list[Motion]:
         """A motion of each of many sentences, in batched passes; arguments as in `generate_many`."""
-        _check("number of prompts", len(prompts), 1, MAX_COUNT)
+        demand_whole("number of prompts", len(prompts), 1, MAX_COUNT)
         return self._make(prompts, [0] * len(prompts), frames, seed, top_k, temperature, None, progress, cancel)
 
     def attention(self, motion: Motion) -> WordAttention:
@@ -217,8 +217,8 @@ class TM2TEngine:
         net, words = self.model.motion2text, self.model.words
         if net is None:
             raise MotionloomError("these weights hold no motion2text; train it (motionloom train tm2t --stage m2t).")
-        _check("beams", beams, 1, 16)
-        _check("count", count, 1, 16)
+        demand_whole("beams", beams, 1, 16)
+        demand_whole("count", count, 1, 16)
         kept = max(beams, count)
         told: list[list[Caption]] = []
         for first in range(0, len(motions), _BATCH):
@@ -285,10 +285,10 @@ class TM2TEngine:
         if self.model.text2motion is None:
             raise MotionloomError("these weights hold no text2motion; train it (motionloom train tm2t --stage t2m).")
         if frames is not None:
-            _check("frames", frames, 1, self.max_frames)
-        _check("seed", seed, 0, 2**63 - 1)
+            demand_whole("frames", frames, 1, self.max_frames)
+        demand_whole("seed", seed, 0, 2**63 - 1)
         among = self.config.top_k if top_k is None else top_k
-        _check("top_k", among, 1, self.config.codes)
+        demand_whole("top_k", among, 1, self.config.codes)
         if not 0.1 <= temperature <= 5.0:
             raise OutOfRangeError("temperature", temperature, "0.1 to 5")
         readings = {prompt: self.read(prompt) for prompt in dict.fromkeys(prompts)}
@@ -375,8 +375,3 @@ def _frames_of(seconds: float, most: int) -> int:
     if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0.05 <= seconds <= most / output.FPS:
         raise OutOfRangeError("seconds", seconds, f"0.05 to {most / output.FPS:g}")
     return max(1, round(seconds * output.FPS))
-
-
-def _check(name: str, value: int, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise OutOfRangeError(name, value, f"a whole number from {low:,} to {high:,}")
