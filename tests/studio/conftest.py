@@ -79,7 +79,8 @@ def settle(queue: JobQueue) -> Callable[[Session], None]:
     """Wait until a session has no unfinished work, that which other work brings up included."""
 
     def wait(session: Session) -> None:
-        while jobs := queue.jobs(session.id):
+        # twice: work may have gone from a lane not yet looked at to one that was
+        while jobs := queue.jobs(session.id) or queue.jobs(session.id):
             assert jobs[0].wait(20), f"{jobs[0].title} does not end"
 
     return wait

@@ -249,7 +249,7 @@ def test_a_job_that_ends_while_it_is_shown_is_shown_as_ended_once(engine, queue)
 
 def test_two_sessions_do_not_wait_for_each_other(engine, monkeypatch):
     gate = threading.Event()
-    slow = FakeEngine()
+    slow = FakeEngine("slow")  # else the session goes back to "plain" once it is loaded
     monkeypatch.setattr(slow, "generate_many", lambda *_a, **_k: gate.wait(20) and [sway()])
     monkeypatch.setattr(tasks, "load_engine", lambda name, variant="": slow if variant == "slow" else engine)
     queue = JobQueue()
