@@ -4,37 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 
 import numpy as np
 
-from engines.geometry import kinematics, rotations
-from engines.motion import Motion
-from viewers import bodies
-from viewers.bodies.body import Body
 from viewers.camera import CameraTrack
 from viewers.gl import extent
 from viewers.gl.context import GraphicsContext
 from viewers.gl.figures import Mesh, Poses, mesh
 from viewers.gl.marks import Label, Marks, actor_marks
-from viewers.scene import Actor, Scene, hex_to_rgb, sample
+from viewers.played import Ghost, Played, Worn, ghost_frames, play, visible_ghosts, worn
+from viewers.scene import Actor, Scene, hex_to_rgb
 
 FLOOR = (3.0, 2.2)
 """The floor has faded away at so many metres, plus so many times the camera's distance, from what is looked at."""
-GHOST_LIMIT = 48
-"""So many ghosts of one actor at most; with more the interval grows."""
-
-
-@dataclass
-class Ghost:
-    """One onion skin as it looks at one moment."""
-
-    pose: int
-    """Which of the ghost poses."""
-    alpha: float
-    """How much of it covers what is behind."""
-    fade: float
-    """How far its colours have faded into the backdrop."""
 
 
 @dataclass
@@ -83,23 +65,6 @@ class Stage:
         """Free what was uploaded for this scene."""
         for part in (*self.owned, *self.marks, *self.labels):
             part.release()
-
-
-@dataclass
-class _Played:
-    """A body and what it does at each moment, in the scene's world."""
-
-    body: Body
-    positions: np.ndarray
-    turns: np.ndarray
-
-    @property
-    def matrices(self) -> np.ndarray:
-        return bodies.skinning_matrices(self.body.skeleton, self.positions, self.turns)
-
-    @property
-    def outline(self) -> np.ndarray:
-        return extent.outline(self.body.skeleton, self.positions, self.turns)
 
 
 @dataclass
@@ -161,70 +126,36 @@ def _extents(
 def _figures(graphics: GraphicsContext, actor: Actor, times: np.ndarray) -> list[_Seen]:
     """The actor's bodies and where they may be seen."""
     colour = hex_to_rgb(actor.colour) if actor.colour else None
-    wanted = []
-    if actor.show in ("body", "both"):
-        wanted.append((*_dressed(actor.motion, actor.body), 1.0 if actor.show == "body" else 0.5))
-    if actor.show in ("skeleton", "both"):
-        wanted.append((*_dressed(actor.motion, "stick"), 1.0))
     made = []
-    for body, motion, alpha in wanted:
-        played = _play(body, motion, times, actor.offset)
-        uploaded = mesh(graphics, body, colour)
-        figure = Figure(uploaded, Poses(graphics, played.matrices, uploaded.rows), alpha)
+    for one in worn(actor):
+        played = play(one.body, one.motion, times, actor.offset)
+        uploaded = mesh(graphics, one.body, colour)
+        figure = Figure(uploaded, Poses(graphics, played.matrices, uploaded.rows), one.alpha)
         figure.casts_shadow = not made
         ghosts = np.zeros((len(times), 0, 3))
         if actor.ghosts:
-            ghosts = _add_ghosts(graphics, figure, actor, (body, motion), times)
-        made.append(_Seen(figure, played.outline, ghosts, extent.reach(body)))
+            ghosts = _add_ghosts(graphics, figure, actor, one, times)
+        made.append(_Seen(figure, _outline(played), ghosts, extent.reach(one.body)))
     return made
 
 
-def _add_ghosts(
-    graphics: GraphicsContext, figure: Figure, actor: Actor, played: tuple[Body, Motion], times: np.ndarray
-) -> np.ndarray:
+def _add_ghosts(graphics: GraphicsContext, figure: Figure, actor: Actor, one: Worn, times: np.ndarray) -> np.ndarray:
     """Give a figure its ghosts; returns the points (N, Q, 3) of those that are seen at each moment."""
-    body, motion = played
-    step = max(actor.ghosts, -(-len(motion) // GHOST_LIMIT))
-    frames = np.arange(0, len(motion), step)
-    still = _play(body, motion, frames / motion.fps, actor.offset)
+    frames = ghost_frames(one.motion, actor.ghosts)
+    still = play(one.body, one.motion, frames / one.motion.fps, actor.offset)
     figure.ghost_poses = Poses(graphics, still.matrices, figure.mesh.rows)
-    figure.ghosts = [_visible_ghosts(frames / motion.fps, float(now), actor.ghost_count) for now in times]
+    figure.ghosts = [visible_ghosts(frames / one.motion.fps, float(now), actor.ghost_count) for now in times]
     most = max(len(now) for now in figure.ghosts)
     poses = [[ghost.pose for ghost in now] for now in figure.ghosts]
     if not most:
         return np.zeros((len(times), 0, 3))
     first = next(now for now in poses if now)
     filled = np.array([(now or first) + (now or first)[-1:] * (most - len(now or first)) for now in poses])
-    return still.outline[filled].reshape(len(times), -1, 3)
+    return _outline(still)[filled].reshape(len(times), -1, 3)
 
 
-def _visible_ghosts(moments: np.ndarray, now: float, count: int | None) -> list[Ghost]:
-    """Which ghosts are seen now, the faintest first."""
-    if count is None:
-        order = np.argsort(-np.abs(moments - now), kind="stable")
-        order = order[np.abs(moments[order] - now) > 1e-3]
-    else:
-        order = np.flatnonzero(moments < now - 1e-3)[-count:] if count else np.array([], int)
-    total = len(order)
-    return [
-        Ghost(int(pose), 0.55 if rank > 0.3 * total else 0.3, 0.25 + 0.45 * (1 - (rank + 1) / total))
-        for rank, pose in enumerate(order)
-    ]
-
-
-def _play(body: Body, motion: Motion, times: np.ndarray, offset: tuple[float, float, float]) -> _Played:
-    turns, path = sample(motion, times)
-    local = rotations.quaternion_to_matrix(turns)
-    places, world = kinematics.forward_kinematics(
-        local, path + np.asarray(offset), motion.skeleton.offsets, motion.skeleton.parents
-    )
-    return _Played(body, np.asarray(places), np.asarray(world))
-
-
-@lru_cache(maxsize=64)
-def _dressed(motion: Motion, body: str | Body) -> tuple[Body, Motion]:
-    """`bodies.body_for`, remembered: retargeting takes a while and stills ask for the same motion again and again."""
-    return bodies.body_for(motion, body)
+def _outline(played: Played) -> np.ndarray:
+    return extent.outline(played.body.skeleton, played.positions, played.turns)
 
 
 def floor_reach(distance: float) -> float:
