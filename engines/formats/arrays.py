@@ -36,14 +36,14 @@ def names(path: Path) -> set[str]:
         return set()
 
 
-def load(path: Path, wanted: Iterable[str]) -> dict[str, np.ndarray]:
-    """Those of the wanted arrays that the archive holds.
+def load(path: Path, wanted: Iterable[str], data: bytes | None = None) -> dict[str, np.ndarray]:
+    """Those of the wanted arrays that the archive holds; `data` is its content, where that is here already.
 
     Raises:
         FormatError: no zip archive, cut short, or an array that is damaged, pickled, or larger than
             `MAX_ARRAY_BYTES`.
     """
-    with _opened(path) as archive:
+    with _opened(path, data) as archive:
         held = set(archive.namelist())
         return {name: _array(path, archive, name) for name in wanted if f"{name}.npy" in held}
 
@@ -55,24 +55,30 @@ def save(path: Path, arrays: Mapping[str, np.ndarray]) -> Path:
         FormatError: the file cannot be written.
     """
     with atomic_path(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        for name, values in arrays.items():
-            buffer = io.BytesIO()
-            np.lib.format.write_array(buffer, np.asarray(values), allow_pickle=False)
-            entry = zipfile.ZipInfo(f"{name}.npy")  # dated 1980, unlike what numpy.savez writes
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, buffer.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=1)
+        _fill(archive, arrays)
     return path
 
 
-def _opened(path: Path) -> zipfile.ZipFile:
+def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
+    """The bytes of the file that `save` writes."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        _fill(archive, arrays)
+    return buffer.getvalue()
+
+
+def _fill(archive: zipfile.ZipFile, arrays: Mapping[str, np.ndarray]) -> None:
+    for name, values in arrays.items():
+        buffer = io.BytesIO()
+        np.lib.format.write_array(buffer, np.asarray(values), allow_pickle=False)
+        entry = zipfile.ZipInfo(f"{name}.npy")  # dated 1980, unlike what numpy.savez writes
+        entry.external_attr = 0o644 << 16
+        archive.writestr(entry, buffer.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=1)
+
+
+def _opened(path: Path, data: bytes | None = None) -> zipfile.ZipFile:
     """The archive, once its table of contents is known to be small."""
-    size = existing_file(path).stat().st_size
-    try:
-        with path.open("rb") as file:
-            file.seek(max(size - 2**16 - 22, 0))
-            tail = file.read()
-    except OSError as error:
-        raise FormatError(path, f"cannot be read: {error.strerror}.") from error
+    tail = _tail(path) if data is None else data[-(2**16) - 22 :]
     at = tail.rfind(_END)
     if at < 0 or len(tail) < at + 22:
         raise FormatError(path, "is no .npz, or is cut short: the table of contents at its end is missing.")
@@ -80,9 +86,20 @@ def _opened(path: Path) -> zipfile.ZipFile:
     if directory > MAX_DIRECTORY_BYTES:
         raise FormatError(path, f"its table of contents claims {directory:,} bytes; accepted: an .npz of arrays.")
     try:
-        return zipfile.ZipFile(path)
+        return zipfile.ZipFile(path if data is None else io.BytesIO(data))
     except Exception as error:  # zipfile raises what the damage happens to lead to
         raise FormatError(path, f"is no .npz that can be opened ({error}).") from error
+
+
+def _tail(path: Path) -> bytes:
+    """The end of a file, where a zip archive has its table of contents."""
+    size = existing_file(path).stat().st_size
+    try:
+        with path.open("rb") as file:
+            file.seek(max(size - 2**16 - 22, 0))
+            return file.read()
+    except OSError as error:
+        raise FormatError(path, f"cannot be read: {error.strerror}.") from error
 
 
 def _array(path: Path, archive: zipfile.ZipFile, name: str) -> np.ndarray:

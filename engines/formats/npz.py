@@ -34,7 +34,22 @@ def write(motion: Motion, path: str | Path) -> Path:
     Raises:
         FormatError: the file cannot be written, or the provenance holds what JSON cannot say.
     """
-    path, skeleton = Path(path), motion.skeleton
+    path = Path(path)
+    return arrays.save(path, _content(path, motion))
+
+
+def to_bytes(motion: Motion) -> bytes:
+    """The bytes of the file that `write` writes.
+
+    Raises:
+        FormatError: the provenance holds what JSON cannot say.
+    """
+    return arrays.pack(_content(Path("motion.npz"), motion))
+
+
+def _content(path: Path, motion: Motion) -> dict[str, np.ndarray]:
+    """Every entry of the archive."""
+    skeleton = motion.skeleton
     header = {
         "version": VERSION,
         "fps": motion.fps,
@@ -62,7 +77,7 @@ def write(motion: Motion, path: str | Path) -> Path:
         packed = np.frombuffer(text.encode("utf-8"), np.uint8)
     except (TypeError, ValueError, RecursionError) as error:
         raise FormatError(path, f"the motion's labels or provenance cannot be written as JSON: {error}.") from error
-    content = {
+    return {
         HEADER: packed,
         "rotations": motion.rotations,
         "translation": motion.translation,
@@ -70,7 +85,6 @@ def write(motion: Motion, path: str | Path) -> Path:
         "ends": _rows(skeleton.end_offsets),
         "hinges": _rows(skeleton.hinges),
     }
-    return arrays.save(path, content)
 
 
 def read(path: str | Path) -> Motion:
@@ -79,15 +93,27 @@ def read(path: str | Path) -> Motion:
     Raises:
         FormatError: damaged, of a later version, or not one of ours.
     """
-    path = Path(path)
-    held = arrays.load(path, (HEADER,))
+    return _read(Path(path))
+
+
+def from_bytes(data: bytes, name: str = "motion.npz") -> Motion:
+    """The motion that `to_bytes` packed; `name` stands for it in messages.
+
+    Raises:
+        FormatError: as `read`.
+    """
+    return _read(Path(name), data)
+
+
+def _read(path: Path, data: bytes | None = None) -> Motion:
+    held = arrays.load(path, (HEADER,), data)
     if HEADER not in held:
-        found = ", ".join(sorted(arrays.names(path))[:12]) or "nothing"
+        found = "other arrays" if data is not None else ", ".join(sorted(arrays.names(path))[:12]) or "nothing"
         raise FormatError(
             path, f"an .npz with {found}; accepted: a motionloom .npz, or AMASS (trans, poses, mocap_framerate)."
         )
     header = _header(path, held[HEADER])
-    held = arrays.load(path, _ARRAYS)
+    held = arrays.load(path, _ARRAYS, data)
     missing = [name for name in _ARRAYS if name not in held]
     if missing:
         raise FormatError(path, f"array {missing[0]!r} is missing.")

@@ -56,6 +56,26 @@ def test_the_same_motion_gives_the_same_bytes(tmp_path):
     assert first == second
 
 
+def test_bytes_are_those_of_the_file_and_come_back(tmp_path):
+    motion = full_motion()
+    data = npz.to_bytes(motion)
+    assert data == npz.write(motion, tmp_path / "m.npz").read_bytes()
+    assert_same(motion, npz.from_bytes(data))
+
+
+@pytest.mark.parametrize("cut", [0, 1, 22, 500, -1])
+def test_bytes_cut_short_are_named(cut):
+    with pytest.raises(FormatError, match=r"^take 3: ") as caught:
+        npz.from_bytes(npz.to_bytes(full_motion())[:cut], "take 3")
+    assert str(caught.value.path) == "take 3"
+
+
+def test_bytes_of_another_archive_are_refused(tmp_path):
+    np.savez(tmp_path / "m.npz", speed=np.arange(3))
+    with pytest.raises(FormatError, match="an .npz with other arrays"):
+        npz.from_bytes((tmp_path / "m.npz").read_bytes())
+
+
 def test_numpy_reads_it_without_pickle(tmp_path):
     motion = full_motion()
     with np.load(npz.write(motion, tmp_path / "m.npz"), allow_pickle=False) as held:
