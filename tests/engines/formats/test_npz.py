@@ -72,7 +72,7 @@ def test_bytes_cut_short_are_named(cut):
 
 def test_bytes_of_another_archive_are_refused(tmp_path):
     np.savez(tmp_path / "m.npz", speed=np.arange(3))
-    with pytest.raises(FormatError, match="an .npz with other arrays"):
+    with pytest.raises(FormatError, match=r"an \.npz with other arrays"):
         npz.from_bytes((tmp_path / "m.npz").read_bytes())
 
 
