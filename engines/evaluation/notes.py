@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from engines.evaluation.actions import COMPONENTS
 from engines.evaluation.results import Results, Row
 from engines.evaluation.rounds import PHYSICAL, REAL, TRAINING
-from engines.metrics.protocol import ACTION2MOTION, TEXT2MOTION
+from engines.metrics.protocol import ACTION2MOTION, STYLIZATION, TEXT2MOTION
 from engines.metrics.retrieval import POOL
 
 
@@ -15,7 +15,9 @@ def notes(results: Results, rows: Sequence[Row]) -> list[str]:
     """What the figures of a protocol are."""
     repeats = sorted({len(row.repeats) for row in rows})
     over = f"{' or '.join(map(str, repeats))} repeat{'s' if repeats[-1] > 1 else ''}"
-    said = {"action2motion": _of_actions, "text2motion": _of_texts}[results.basis.get("protocol", "action2motion")]
+    said = {"action2motion": _of_actions, "text2motion": _of_texts, "stylization": _of_styles}[
+        results.basis.get("protocol", "action2motion")
+    ]
     made = said(results, f"Mean ± half width of the 95 % interval (Student's t) over {over}")
     if any("bone_length_drift" in row.repeats[0].figures for row in rows):
         made.append("Bone-length drift is that of the joints as the network gives them; motions themselves are rigid.")
@@ -64,3 +66,31 @@ def _of_texts(results: Results, mean: str) -> list[str]:
         "Sentences are captions from the grammar (and people's own), drawn with a seed that nothing was trained on; "
         "the grammar itself is that of the training captions.",
     ]
+
+
+_TOLD = {
+    "label": "a style's name",
+    "motion": "a clip that has the style (and its name, where an engine was taught with names)",
+    "prior": "no style, so that there is none to be recognised",
+}
+
+
+def _of_styles(results: Results, mean: str) -> list[str]:
+    basis = results.basis
+    said = [
+        f"{mean} of {basis['motions']:,} held-out motions of {basis['corpus']} (data: {basis['data']}), each put in "
+        f"one of {len(basis['styles'])} styles in equal parts; engines are given {_TOLD[basis['by']]}; "
+        f"seed {basis['seed']}.",
+        "↑ higher is better, ↓ lower is better, → the closer to real motions of the styles the better. Bold: the best "
+        "mean of the generated; a difference smaller than the intervals is none.",
+        f"Style accuracy and FID: the recogniser of styles, against the clips that give the styles. `{REAL}` are other "
+        "held-out clips of the same styles.",
+        "Geodesic distance: mean angle between the local rotations of a motion and of what was made of it. It is no "
+        "quality by itself: 0 is a motion left as it was. Multimodality (the thesis's Div): "
+        f"{STYLIZATION.multimodality_pairs} pairs a motion, of {STYLIZATION.motions_a_prompt} stylings.",
+    ]
+    if "content_accuracy" in {name for row in results.rows.values() for r in row.repeats for name in r.figures}:
+        said.append("Content accuracy and FID: the recogniser of contents, against the motions as they were.")
+    else:
+        said.append("The recogniser of contents does not know what these motions show, so contents are not counted.")
+    return said

@@ -5,7 +5,7 @@ set are, so that none of these can be compared with ours as a number; what can b
 other. Sources: thesis, "3D human action modeling", tables 3.2 and 3.3; the rows `Real motions`, `plain` and `w/ Lie` on
 coarse HumanAct12, NTU-RGBD and (to two digits, one less) CMU are also tables 1 and 2 of Guo et al. 2020,
 "Action2Motion", where they are called `Ours w/o Lie` and `Ours`. Text2Motion: Guo et al. 2022, tables 2 and 3, also the
-thesis's 4.2 and 4.3; TM2T: thesis, table 6.2.
+thesis's 4.2 and 4.3; TM2T: thesis, table 6.2. Stylization: thesis, table 5.2.
 """
 
 from __future__ import annotations
@@ -109,9 +109,45 @@ TEXT2MOTION: Sequence[Published] = (
 )  # fmt: skip
 """Both text-to-motion systems and the real motions they were compared with."""
 
+STYLE_COLUMNS = ("style_accuracy", "style_fid", "pose_distance", "multimodality")
+STYLIZATION: Sequence[Published] = (
+    *_rows("Aberman et al.", "thesis, table 5.2", """
+        Real motions                              |.997±.002|.002±.000|-|-
+        motion-based (S), Aberman et al.          |.547±.016|.379±.018|.804±.003|-
+        motion-based (S), Park et al.             |.891±.007|.038±.003|.531±.001|-
+        motion-based (S), the thesis, no latent   |.932±.008|.022±.002|.463±.003|-
+        motion-based (S), the thesis (V)          |.935±.007|.020±.002|.426±.003|-
+        motion-based (S), the thesis (A)          |.945±.007|.020±.002|.344±.002|-
+        label-based (S), Park et al.              |.971±.006|.013±.001|.571±.002|.146±.009
+        label-based (S), the thesis, no latent    |.933±.009|.023±.002|.447±.002|.174±.017
+        label-based (S), the thesis (V)           |.946±.007|.020±.002|.427±.003|.134±.016
+        label-based (S), the thesis (A)           |.942±.006|.019±.001|.344±.003|.050±.006
+        motion-based (U), Jang et al.             |.833±.010|.047±.004|.559±.003|-
+        motion-based (U), the thesis, no latent   |.780±.014|.048±.003|.466±.004|-
+        motion-based (U), the thesis (V)          |.840±.010|.036±.003|.478±.004|-
+        motion-based (U), the thesis (A)          |.804±.011|.040±.003|.441±.003|-
+        prior-based (U), the thesis, no latent    |-|-|.431±.003|1.169±.030
+        prior-based (U), the thesis (V)           |-|-|.418±.003|1.069±.028
+        prior-based (U), the thesis (A)           |-|-|.436±.004|1.187±.029
+    """, STYLE_COLUMNS),
+    *_rows("CMU Mocap, unseen", "thesis, table 5.2", """
+        motion-based (S), the thesis (V)          |.918±.010|.028±.003|.629±.002|-
+        motion-based (S), the thesis (A)          |.918±.007|.031±.003|.569±.002|-
+        label-based (S), the thesis (V)           |.923±.007|.027±.003|.614±.002|.193±.013
+        label-based (S), the thesis (A)           |.915±.005|.031±.003|.571±.003|.067±.005
+        motion-based (U), the thesis (V)          |.828±.010|.052±.004|.672±.003|-
+        motion-based (U), the thesis (A)          |.799±.009|.056±.003|.648±.004|-
+        prior-based (U), the thesis (V)           |-|-|.611±.003|.857±.024
+        prior-based (U), the thesis (A)           |-|-|.641±.002|.949±.022
+    """, STYLE_COLUMNS),
+)  # fmt: skip
+"""The thesis's variants and the methods it compares with."""
+
 PAPERS: dict[str, Papers] = {
     "action2motion": Papers("Action2Motion's protocol", COLUMNS, ACTION2MOTION, "“w/ Lie” is the variant `lie`."),
     "text2motion": Papers("Text2Motion's protocol", TEXT_COLUMNS, TEXT2MOTION, "“Real length”: made as long as the "
                           "real motion, which is how engines are asked here."),
+    "stylization": Papers("Generative stylization's protocol", STYLE_COLUMNS, STYLIZATION, "(S) supervised, (U) "
+                          "unsupervised; (V), (A): over the codes of the VAE, of the AE; Div is under multimodality."),
 }  # fmt: skip
 """By the name a protocol has in the basis of an evaluation."""

@@ -44,7 +44,7 @@ class StylizationEngine:
         self.variant = self.config.latent + ("" if self.config.supervised else "-unsupervised")
         self.variants = shipped_variants() or (self.variant,)
         self.styles: tuple[str, ...] = self.config.styles if self.config.supervised else ()
-        self.capabilities = frozenset({"stylise", "variants", *({"styles"} if self.styles else ())})
+        self.capabilities = frozenset({"stylise", "references", "variants", *({"styles"} if self.styles else ())})
 
     def stylise(  # noqa: PLR0913 - the request of a person, each part optional
         self,

@@ -22,7 +22,7 @@ from studio.commands.console import progress_bar
 if TYPE_CHECKING:
     from engines.evaluation import Results
 
-_PROTOCOLS = {"actions": "actions", "texts": "text"}
+_PROTOCOLS = {"actions": "actions", "texts": "text", "styles": "stylise"}
 """Each protocol, and what an engine must be able to do for it."""
 _PACKAGES = ("motionloom", "numpy", "scipy", "torch", "scikit-learn")
 
@@ -37,7 +37,7 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the report; goes on there.")],
     protocol: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="actions or texts; if none, actions where every engine goes by them."),
+        typer.Option(metavar="NAME", help="actions, texts or styles; if none, the first of them that fits."),
     ] = None,
     data: Annotated[str, typer.Option(metavar="NAME", help="Real motions: held-out (val and test), test or val.")] = (
         "held-out"
@@ -45,6 +45,10 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     repeats: Annotated[int, typer.Option(metavar="N", help="How often everything is measured.")] = 20,
     motions: Annotated[int, typer.Option(metavar="N", help="Generated in each repeat.")] = 3000,
     frames: Annotated[int, typer.Option(metavar="N", help="Actions: length of each, frames (20 a second).")] = 60,
+    by: Annotated[str, typer.Option(metavar="WAY", help="Styles: told by label, motion or prior.")] = "label",
+    corpus: Annotated[str, typer.Option(metavar="NAME", help="Styles: whose motions are put in them.")] = (
+        "bandai-namco"
+    ),
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same table.")] = 0,
     threads: Annotated[int | None, typer.Option(metavar="N", help="Processor threads; as torch likes if none.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew what is in the folder.")] = False,
@@ -59,8 +63,12 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom evaluate action2motion:glmi-m action2motion:glmi-m@my.safetensors --data test --out mine/
 
+    motionloom evaluate loom --protocol styles --repeats 30 --motions 300 --out styles/
+
     The protocol `actions` is Action2Motion's, with the recogniser of actions as judge; `texts` is Text2Motion's, for
-    engines that take sentences: R-precision, distances and FID in the space that motions share with sentences.
+    engines that take sentences: R-precision, distances and FID in the space that motions share with sentences;
+    `styles` is generative stylization's: held-out motions in other manners, the style told by its name, by a clip that
+    has it, or by neither.
 
     Writes index.html (open it in a browser), table.md, table.csv, table.json and rows.json. Ctrl+C keeps every finished
     repeat; the same command goes on from there, with more repeats too. Needs prepared data (`motionloom data prepare`).
@@ -78,10 +86,13 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
         torch.set_num_threads(threads)
     named = {name: _load(name) for name in dict.fromkeys(wanted)}
-    if (protocol or _fitting(named)) == "texts":
-        bench, results = _by_texts(named, data, motions, seed)
-    else:
-        bench, results = _by_actions(named, data, motions, frames, seed)
+    match protocol or _fitting(named):
+        case "texts":
+            bench, results = _by_texts(named, data, motions, seed)
+        case "styles":
+            bench, results = _by_styles(named, data, by, corpus, motions, seed)
+        case _:
+            bench, results = _by_actions(named, data, motions, frames, seed)
     out.mkdir(parents=True, exist_ok=True)
     if not fresh:
         results.go_on_from(out / "rows.json")
@@ -104,7 +115,7 @@ def _fitting(engines: Mapping[str, Any]) -> str:
         if all(ability in engine.capabilities for engine in engines.values()):
             return protocol
     able = "; ".join(f"{name}: {', '.join(sorted(e.capabilities)) or 'nothing'}" for name, e in engines.items())
-    raise MotionloomError(f"no protocol fits all of them: actions or text is needed, and they can do: {able}.")
+    raise MotionloomError(f"no protocol fits all of them: actions, text or stylise is needed, and they can do: {able}.")
 
 
 def _by_actions(engines: Mapping[str, Any], data: str, motions: int, frames: int, seed: int) -> tuple[Any, Results]:
@@ -130,6 +141,22 @@ def _by_texts(engines: Mapping[str, Any], data: str, motions: int, seed: int) ->
     options.check()
     bench = TextBench(engines, datasets.load(), co_embedding.load(), options)
     return bench, Results(bench.basis(_digest(SHIPPED / "evaluator-text.safetensors")), ())
+
+
+def _by_styles(  # noqa: PLR0913, PLR0917 - what a person chooses
+    engines: Mapping[str, Any], data: str, by: str, corpus: str, motions: int, seed: int
+) -> tuple[Any, Results]:
+    from engines import datasets
+    from engines.evaluation import Results, StyleBench, StyleOptions
+    from engines.metrics.evaluators import recogniser
+    from engines.weights_file import SHIPPED
+
+    options = StyleOptions(data, by, corpus, motions, seed)  # pyright: ignore[reportArgumentType] (checked next)
+    options.check()
+    manners, contents = recogniser.load("style"), recogniser.load("content")
+    bench = StyleBench(engines, datasets.load(), manners, contents, options)
+    hashes = " ".join(_digest(SHIPPED / f"evaluator-{task}.safetensors") for task in ("style", "content"))
+    return bench, Results(bench.basis(hashes), ())
 
 
 def _tell(out: Path, bench: Any, named: Mapping[str, Any], results: Any, repeats: int) -> None:

@@ -16,7 +16,7 @@ from engines.evaluation import texts
 from engines.metrics.evaluators import co_embedding, recogniser
 from studio import report, tasks
 from tests.engines.action2motion import tiny
-from tests.engines.evaluation import small, test_texts
+from tests.engines.evaluation import small, test_styles, test_texts
 
 QUICK = ("--repeats", "2", "--motions", "10", "--frames", "8", "--out", "report")
 
@@ -138,6 +138,24 @@ def test_a_persons_mistake_is_one_line_and_code_1(run, world, arguments, says) -
     assert err.startswith("error: ")
     assert says in err
     assert err.count("\n") == 1
+
+
+def test_engines_that_put_motions_in_other_manners(run, world, monkeypatch, tmp_path) -> None:
+    engine = test_styles.Engine()
+    judges = {"style": ("elderly", "proud"), "action": test_styles.ACTIONS}
+    monkeypatch.setattr(engines, "load", lambda *_a, **_k: engine)
+    monkeypatch.setattr(datasets, "load", lambda *_: test_styles.KNOWN)
+    kinds = {"style": "style", "content": "action"}
+    monkeypatch.setattr(recogniser, "load", lambda task: test_styles.Judge(kinds[task], judges[kinds[task]]))
+    for task in kinds:
+        (tmp_path / f"evaluator-{task}.safetensors").write_bytes(b"weights")
+    told = ("--repeats", "2", "--motions", "4", "--out", "styles")
+    code, out, err = run("action2motion", *told)
+    assert (code, "Style accuracy ↑" in out) == (0, True), err
+    table = (tmp_path / "styles" / "table.md").read_text(encoding="utf-8")
+    assert "| 1.000 ± 0.000 |" in table
+    assert "label, motion or prior" not in run("action2motion", "--by", "motion", "--fresh", *told)[2]
+    assert "way to tell a style" in run("action2motion", "--by", "magic", *told)[2]
 
 
 def test_missing_data_weights_and_engines_that_do_not_go_by_actions(run, world, monkeypatch, tmp_path) -> None:

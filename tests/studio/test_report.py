@@ -12,7 +12,7 @@ import pytest
 from engines.evaluation import Results, TextBench, evaluate, texts
 from studio.report import actions, charts, maps, write
 from tests.engines.action2motion import tiny
-from tests.engines.evaluation import small, test_texts
+from tests.engines.evaluation import small, test_styles, test_texts
 
 SVG = re.compile(r"<svg.*?</svg>", re.DOTALL)
 
@@ -153,3 +153,17 @@ def test_a_page_about_sentences(tmp_path, monkeypatch) -> None:
     assert "Guo" not in shown and ">TM2T</th>" in shown
     assert json.loads(re.findall(r'id="values">(.*?)</script>', found, re.DOTALL)[0])["takes"]
     assert len(SVG.findall(found)) == 2 if maps.can_neighbours() else 1
+
+
+def test_a_page_about_manners(tmp_path) -> None:
+    engine = test_styles.Engine()
+    bench = test_styles.bench(engine)
+    results = Results(bench.basis("0" * 64), ())
+    evaluate(bench, {"says": engine}, results, repeats=2)
+    page = write.write_report(tmp_path, bench, {"says": engine}, results, 2, {}).read_text(encoding="utf-8")
+    shown = page[: page.index('<script type="application/json"')]
+    wish = bench.wishes(0)[0]
+    assert f">{bench.contents[wish.content].action} → {wish.style}<" in shown
+    assert "thesis, table 5.2" in shown
+    assert "Left out, without a held-out clip: tired." in shown
+    assert shown.count("<h2>") == 5
