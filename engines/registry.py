@@ -29,29 +29,57 @@ def _tm2t(**options: Any) -> Any:
     return engine.load(**options)
 
 
+def _stylization(**options: Any) -> Any:
+    from engines.stylization import engine
+
+    return engine.load(**options)
+
+
+def _text2motion(**options: Any) -> Any:
+    from engines.text2motion import engine
+
+    return engine.load(**options)
+
+
 _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
     "action2motion": ("an action's name becomes a motion (temporal VAE, Guo et al. 2020)", _action2motion),
     "loom": ("actions, styles, sentences, poses and paths become a motion (flow matching, our own)", _loom),
+    "text2motion": ("a sentence becomes a motion as long as it calls for (temporal VAE, Guo et al. 2022)", _text2motion),
     "tm2t": ("a sentence becomes a motion and a motion a sentence, by motion tokens (Guo et al. 2022)", _tm2t),
 }
 
 
+_STYLISERS: dict[str, tuple[str, Callable[..., Any]]] = {
+    "stylization": ("any motion in another manner, in a latent space (Guo et al. 2024)", _stylization),
+}
+
+
 def available() -> dict[str, str]:
-    """Names of the engines whose weights are there, and a line about each."""
-    return {name: line for name, (line, _) in _ENGINES.items() if any(WEIGHTS.glob(f"{name}*.safetensors"))}
+    """Names of the engines that make motions and whose weights are there, and a line about each."""
+    return _shipped(_ENGINES)
+
+
+def stylisers() -> dict[str, str]:
+    """Names of the engines that only change motions and whose weights are there, and a line about each."""
+    return _shipped(_STYLISERS)
 
 
 def load(name: str, **options: Any) -> Any:
     """An engine with its shipped weights, on the CPU.
 
     Args:
-        name: one of `available()`.
+        name: one of `available()` or `stylisers()`.
         options: of that engine: `variant`, `checkpoint`, ...
 
     Raises:
         UnknownLabelError: no such engine.
         CheckpointError: the weights are missing or damaged.
     """
-    if name not in _ENGINES:
-        raise UnknownLabelError("engine", name, _ENGINES)
-    return _ENGINES[name][1](**options)
+    known = {**_ENGINES, **_STYLISERS}
+    if name not in known:
+        raise UnknownLabelError("engine", name, known)
+    return known[name][1](**options)
+
+
+def _shipped(known: dict[str, tuple[str, Callable[..., Any]]]) -> dict[str, str]:
+    return {name: line for name, (line, _) in known.items() if any(WEIGHTS.glob(f"{name}*.safetensors"))}

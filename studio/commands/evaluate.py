@@ -182,13 +182,14 @@ def _parse(spec: str) -> list[str]:
     Raises:
         UnknownLabelError: no engine of that name.
     """
-    import engines
+    from engines import registry
     from studio import tasks
 
     name, _, _ = spec.partition("@")
     name, _, variant = name.partition(":")
-    if name not in engines.available():
-        raise UnknownLabelError("engine", name, engines.available())
+    known = {**registry.available(), **registry.stylisers()}
+    if name not in known:
+        raise UnknownLabelError("engine", name, known)
     if variant != "all":
         return [spec]
     return [f"{name}:{each}" for each in getattr(tasks.load_engine(name), "variants", ())] or [name]

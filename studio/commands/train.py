@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from engines.errors import OutOfRangeError, UnknownLabelError
+from studio.commands import train_stylization
 from studio.commands.console import progress_bar
 from studio.commands.training import (
     DataOption,
@@ -272,3 +273,6 @@ def evaluator(  # noqa: PLR0913, PLR0917 (one parameter an option)
     run.mkdir(parents=True, exist_ok=True)
     with stoppable() as stopped:
         train_evaluator.train(task, train_evaluator.Wanted(run / "checkpoint.pt", export, steps, seed, stopped))
+
+
+app.command("stylization")(train_stylization.stylization)

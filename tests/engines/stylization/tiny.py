@@ -16,13 +16,15 @@ from tests.engines.action2motion.tiny import clip
 STYLES = ("old", "proud")
 
 
+SIZES: dict[str, Any] = {
+    "styles": STYLES, "window": 32, "encoder": (12, 12), "latent_size": 8, "decoder": (12, 12, 12), "mid": (12,),
+    "content": (8, 8), "style": (12, 8), "style_size": 4, "generator": (12, 12, 12), "regressor": (8, 8, 8),
+    "batch_size": 4, "autoencoder_steps": 4, "regressor_steps": 4, "steps": 4,
+}  # fmt: skip
+
+
 def config(**changes: Any) -> StylizationConfig:
-    sizes: dict[str, Any] = {
-        "styles": STYLES, "window": 32, "encoder": (12, 12), "latent_size": 8, "decoder": (12, 12, 12), "mid": (12,),
-        "content": (8, 8), "style": (12, 8), "style_size": 4, "generator": (12, 12, 12), "regressor": (8, 8, 8),
-        "batch_size": 4, "autoencoder_steps": 4, "regressor_steps": 4, "steps": 4,
-    }  # fmt: skip
-    return StylizationConfig(**{**sizes, **changes})
+    return StylizationConfig(**{**SIZES, **changes})
 
 
 def clips(count: int = 2) -> list[Clip]:
