@@ -142,12 +142,14 @@ def test_a_persons_mistake_is_one_line_and_code_1(run, world, arguments, says) -
 
 def test_engines_that_put_motions_in_other_manners(run, world, monkeypatch, tmp_path) -> None:
     engine = test_styles.Engine()
-    judges = {"style": ("elderly", "proud"), "action": test_styles.ACTIONS}
     monkeypatch.setattr(engines, "load", lambda *_a, **_k: engine)
     monkeypatch.setattr(datasets, "load", lambda *_: test_styles.KNOWN)
-    kinds = {"style": "style", "content": "action"}
-    monkeypatch.setattr(recogniser, "load", lambda task: test_styles.Judge(kinds[task], judges[kinds[task]]))
-    for task in kinds:
+    shown = {
+        "style": test_styles.Judge("style", ("elderly", "proud")),
+        "content": test_styles.Judge("action", test_styles.ACTIONS),
+    }
+    monkeypatch.setattr(recogniser, "load", shown.get)
+    for task in shown:
         (tmp_path / f"evaluator-{task}.safetensors").write_bytes(b"weights")
     told = ("--repeats", "2", "--motions", "4", "--out", "styles")
     code, out, err = run("action2motion", *told)

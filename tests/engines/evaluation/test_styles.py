@@ -13,7 +13,7 @@ from engines.evaluation import Results, StyleBench, StyleOptions, evaluate, tabl
 from engines.evaluation.rounds import REAL
 from engines.metrics.evaluators import Recogniser
 from engines.metrics.recognition import Recognised
-from engines.motion import Motion, Segment
+from engines.motion import LabelKind, Motion, Segment
 from tests.engines.action2motion.tiny import movement
 
 STYLES = ("elderly", "proud")
@@ -39,7 +39,7 @@ KNOWN = clips()
 class Judge(Recogniser):
     """Reads a motion's labels; of the real clips it knows them by their length."""
 
-    def __init__(self, kind: str, labels: tuple[str, ...]) -> None:
+    def __init__(self, kind: LabelKind, labels: tuple[str, ...]) -> None:
         self.kind, self.labels = kind, labels
         self.real = {len(clip.motion): getattr(clip, kind) for clip in KNOWN}
 
