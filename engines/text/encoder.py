@@ -39,7 +39,7 @@ class TextEncoder(Protocol):
         ...
 
 
-NAMES = ("minilm",)
+NAMES = ("minilm", "glove")
 
 
 @lru_cache(maxsize=2)
@@ -48,10 +48,14 @@ def load(name: str = "minilm") -> TextEncoder:
 
     Raises:
         UnknownLabelError: no such encoder.
-        CheckpointError: the package with its weights is not installed.
+        CheckpointError: the package with its weights is not installed, or there are no word vectors.
     """
     if name not in NAMES:
         raise UnknownLabelError("text encoder", name, NAMES)
+    if name == "glove":
+        from engines.text import glove
+
+        return glove.load()
     from engines.text.minilm import MiniLM
 
     return MiniLM()

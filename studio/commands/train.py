@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from engines.errors import OutOfRangeError, UnknownLabelError
-from studio.commands import train_stylization
+from studio.commands import train_stylization, train_text2motion
 from studio.commands.console import progress_bar
 from studio.commands.training import (
     DataOption,
@@ -276,3 +276,4 @@ def evaluator(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
 
 app.command("stylization")(train_stylization.stylization)
+app.command("text2motion")(train_text2motion.text2motion)

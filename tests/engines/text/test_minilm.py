@@ -52,4 +52,4 @@ def test_nothing_to_encode_gives_nothing(encoder: text.TextEncoder) -> None:
 
 def test_unknown_encoder_names_the_known() -> None:
     with pytest.raises(UnknownLabelError, match="minilm"):
-        text.load("glove")
+        text.load("word2vec")
