@@ -55,7 +55,8 @@ class Renderer:
 
     def close(self) -> None:
         """Free the pictures. The context stays for other renderers of this thread."""
-        self.targets.release()
+        if self.graphics.take_up():
+            self.targets.release()
 
     # ---- pictures ---------------------------------------------------------------------------------------------
 
@@ -82,6 +83,7 @@ class Renderer:
                 self.draw(stage, moment)
                 if moment:
                     yield self.targets.read_into(ring[(moment - 1) % len(ring)], previous=True)
+            self._take_up()
             yield self.targets.read_into(ring[(len(times) - 1) % len(ring)])
 
     def thumbnail(self, motion: Motion, **options) -> np.ndarray:
@@ -91,13 +93,16 @@ class Renderer:
     def staged(self, scene: Scene, times: np.ndarray) -> _Staged:
         """The scene made ready for `times` (N,) seconds: `with ... as stage: renderer.draw(stage, i)`."""
         self._check_thread()
-        return _Staged(staging.build(self.graphics, scene, times, (self.width, self.height)))
+        if not self.graphics.alive():
+            self.graphics = context()
+            self.targets = Targets(self.graphics, self.width, self.height, self.samples)
+        return _Staged(self.graphics, staging.build(self.graphics, scene, times, (self.width, self.height)))
 
     # ---- one picture, pass by pass ----------------------------------------------------------------------------
 
     def draw(self, stage: Stage, moment: int) -> None:
         """Draw one moment of a stage into `targets.picture`."""
-        self._check_thread()
+        self._take_up()
         matrix = stage.view_projections[moment]
         self._figures(stage, moment, matrix)
         if stage.scene.floor:
@@ -261,15 +266,24 @@ class Renderer:
                 "thread, so make a Renderer in each thread that draws."
             )
 
+    def _take_up(self) -> None:
+        self._check_thread()
+        if not self.graphics.take_up():
+            raise MotionloomError(
+                "another library (PyVista?) shut OpenGL down while a scene was being drawn; draw it again, and close "
+                "that library's windows before or after."
+            )
+
 
 class _Staged:
     """A stage that gives its memory back at the end of the block."""
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
+    def __init__(self, graphics: GraphicsContext, stage: Stage) -> None:
+        self._graphics, self._stage = graphics, stage
 
     def __enter__(self) -> Stage:
         return self._stage
 
     def __exit__(self, *_: object) -> None:
-        self._stage.release()
+        if self._graphics.take_up():
+            self._stage.release()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from jaxtyping import UInt8
@@ -16,8 +18,14 @@ from viewers.bodies import Body, body_for
 from viewers.camera import Camera
 from viewers.scene import Actor, Scene
 
-if TYPE_CHECKING:
-    from viewers.moderngl_renderer import Renderer
+
+class Draws(Protocol):
+    """What draws the poses: `moderngl_renderer.Renderer`, or `pv.pictures.Pictures`."""
+
+    def pictures(self, scene: Scene, times: np.ndarray) -> Iterator[np.ndarray]:
+        """(H, W, 3 or 4) uint8 pictures at `times` (N,) seconds."""
+        ...
+
 
 MOST = 64
 """No strip has more poses."""
@@ -53,7 +61,7 @@ def every(motion: Motion, step: int) -> list[int]:
 
 
 def poses(
-    renderer: Renderer, motion: Motion, frames: list[int], body: str | Body = "anny", **view
+    renderer: Draws, motion: Motion, frames: list[int], body: str | Body = "anny", **view
 ) -> list[UInt8[np.ndarray, "H W 3"]]:
     """Pictures of the renderer's size of some frames of a motion, all from one place, the body kept in its middle.
 
@@ -90,6 +98,7 @@ def strip(
     frames: list[int] | None = None,
     height: int = 360,
     width: int | None = None,
+    draw: Callable[[int, int], AbstractContextManager[Draws]] | None = None,
     **options,
 ) -> UInt8[np.ndarray, "H W 3"]:
     """One picture of some frames of a motion side by side, time from left to right.
@@ -99,6 +108,7 @@ def strip(
         frames: which frames (see `spread` and `every`); default: `USUAL` spread over all.
         height: of the picture, pixels.
         width: of the picture, pixels; default: as wide as the poses need, three quarters of the height each.
+        draw: makes what draws pictures of so many pixels across and down; default: OpenGL by moderngl.
         options: body, camera and backdrop as in `poses`.
 
     Returns:
@@ -108,15 +118,15 @@ def strip(
         OutOfRangeError: frames or sizes that cannot be.
         NoGraphicsError: no OpenGL here.
     """
-    from viewers.moderngl_renderer import Renderer
-
+    if draw is None:
+        from viewers.moderngl_renderer import Renderer as draw
     frames = spread(motion) if frames is None else frames
     if not frames:
         raise OutOfRangeError("frames", frames, f"one or more of 0 to {len(motion) - 1}")
     cell = round(height * 0.75) if width is None else width // len(frames)
     if not 1 <= cell * len(frames) <= LARGEST:
         raise OutOfRangeError("width of the strip", cell * len(frames), f"1 to {LARGEST} pixels")
-    with Renderer(cell, height) as renderer:
+    with draw(cell, height) as renderer:
         return np.concatenate(poses(renderer, motion, frames, **options), axis=1)
 
 

@@ -278,3 +278,25 @@ def test_without_opengl_the_error_says_what_to_install(monkeypatch: pytest.Monke
 def test_sizes_that_cannot_be_are_refused(size: tuple[int, int], samples: int) -> None:
     with pytest.raises(OutOfRangeError, match="accepted"):
         Renderer(*size, samples)
+
+
+def test_drawing_goes_on_after_another_library_shut_opengl_down() -> None:
+    """VTK closes EGL's display with its windows, and every context of the process is lost with it."""
+    pyvista = pytest.importorskip("pyvista")
+    wanted = scene(poses.squat())
+    with Renderer(*SIZE) as renderer:
+        before, lost = renderer.frame(wanted), renderer.graphics
+        for _ in range(2):
+            plotter = pyvista.Plotter(off_screen=True, window_size=SIZE)
+            plotter.add_mesh(pyvista.Sphere())
+            plotter.screenshot(return_img=True)
+            assert (renderer.frame(wanted) == before).all(), "while its window is there"
+            plotter.close()
+            assert (renderer.frame(wanted) == before).all(), "and when it is closed"
+        if not lost.alive():
+            assert renderer.graphics is not lost
+            with renderer.staged(wanted, np.zeros(1)) as stage:
+                renderer.graphics = lost
+                with pytest.raises(MotionloomError, match="another library"):
+                    renderer.draw(stage, 0)
+            renderer.graphics = contexts.context()

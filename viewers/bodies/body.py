@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Float32, Integer, UInt8, UInt16, UInt32
+from scipy import sparse
 
 from engines.errors import SkeletonError
 from engines.motion import Motion
@@ -92,8 +93,30 @@ class Body:
 
     def skinned(self, matrices: Float[np.ndarray, "J 3 4"]) -> Float32[np.ndarray, "V 3"]:
         """(V, 3) float32 vertices under skinning matrices (J, 3, 4)."""
-        blended = np.einsum("vk,vkij->vij", self.skin_weights, np.asarray(matrices, np.float32)[self.skin_indices])
+        blended = self._blended(matrices)
         return np.einsum("vij,vj->vi", blended[:, :, :3], self.vertices) + blended[:, :, 3]
+
+    def deformed(
+        self, matrices: Float[np.ndarray, "J 3 4"]
+    ) -> tuple[Float32[np.ndarray, "V 3"], Float32[np.ndarray, "V 3"]]:
+        """(V, 3) float32 vertices and unit normals under skinning matrices (J, 3, 4)."""
+        blended = self._blended(matrices)
+        turned = np.einsum("vij,vj->vi", blended[:, :, :3], self.normals)
+        length = np.linalg.norm(turned, axis=1, keepdims=True)
+        vertices = np.einsum("vij,vj->vi", blended[:, :, :3], self.vertices) + blended[:, :, 3]
+        return vertices, turned / np.maximum(length, np.float32(1e-12))
+
+    def _blended(self, matrices: np.ndarray) -> np.ndarray:
+        """(V, 3, 4) float32 matrix of each vertex."""
+        flat = np.asarray(matrices, np.float32).reshape(len(matrices), 12)
+        return (self._shares @ flat).reshape(-1, 3, 4)
+
+    @cached_property
+    def _shares(self) -> sparse.csr_matrix:
+        """(V, J) the skin weights as a sparse matrix."""
+        starts = np.arange(0, INFLUENCES * len(self.vertices) + 1, INFLUENCES)
+        shape = (len(self.vertices), len(self.skeleton))
+        return sparse.csr_matrix((self.skin_weights.ravel(), self.skin_indices.ravel().astype(np.int32), starts), shape)
 
     def fitted(self, skeleton: Skeleton) -> Body:
         """This body stretched to a skeleton of the same joints with other bone lengths.

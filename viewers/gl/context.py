@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import logging
+import os
 import re
 import sys
 import threading
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +58,22 @@ class GraphicsContext:
         """Vertex arrays and the like, keyed by their owners."""
         self.meshes: dict[object, Any] = {}
         """Uploaded bodies, see `figures.mesh`."""
+        self._handle = _current_handle()
+        self._token = os.urandom(16)
+        self._proof = self.gl.buffer(self._token)
+
+    def take_up(self) -> bool:
+        """Make this the thread's current context, in whose place another library may have put its own; False if lost.
+
+        VTK shuts EGL's display down with each window it closes, and all contexts of the process with it.
+        """
+        self.gl.__enter__()
+        return self._handle is None or _current_handle() == self._handle
+
+    def alive(self) -> bool:
+        """Is it still there, with what was uploaded? Makes it current."""
+        # another context may by now have the same address, but not hold the token
+        return self.take_up() and self._proof.read() == self._token
 
     def program(self, vertex: str, fragment: str, **defines: int) -> moderngl.Program:
         """The program of two shader files (names without folder and ending), compiled once.
@@ -91,19 +110,47 @@ def context() -> GraphicsContext:
     """This thread's context, made on first use.
 
     An OpenGL context can be current in one thread only; so every thread that draws has its own, and objects made
-    with one must not be used in another. The contexts of threads that ended are used again, with all they hold.
+    with one must not be used in another. The contexts of threads that ended are used again, with all they hold. In
+    place of a context that was lost (see `take_up`) there is a new one.
 
     Raises:
         NoGraphicsError: no OpenGL here.
     """
     lease = getattr(_LOCAL, "lease", None)
-    if lease is None:
-        with _LOCK:
-            idle = _FREE.pop() if _FREE else None
-        if idle is not None:
-            idle.gl.__enter__()
-        lease = _LOCAL.lease = _Lease(idle or GraphicsContext())
+    if lease is None or not lease.graphics.alive():
+        del lease
+        _LOCAL.lease = None  # a lost one first, since letting go of it makes none current
+        lease = _LOCAL.lease = _Lease(_idle() or GraphicsContext())
     return lease.graphics
+
+
+def _idle() -> GraphicsContext | None:
+    """A context of a thread that ended, if there is one that was not lost meanwhile."""
+    while True:
+        with _LOCK:
+            if not _FREE:
+                return None
+            found = _FREE.pop()
+        if found.alive():
+            return found
+
+
+def _current_handle() -> int | None:
+    """EGL's name of the current context; None where EGL is not what makes contexts."""
+    egl = _egl()
+    return None if egl is None else egl.eglGetCurrentContext()
+
+
+@lru_cache(maxsize=1)
+def _egl() -> ctypes.CDLL | None:
+    if not sys.platform.startswith("linux"):
+        return None
+    try:
+        library = ctypes.CDLL("libEGL.so.1")
+    except OSError:
+        return None
+    library.eglGetCurrentContext.restype = ctypes.c_void_p
+    return library
 
 
 def open_context() -> moderngl.Context:

@@ -1,0 +1,1 @@
+"""The parts of the PyVista viewer: plotter, what stands in it, pictures, window, notebook."""
