@@ -9,6 +9,7 @@ import socket
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import quote
 
@@ -16,9 +17,11 @@ import panel as pn
 from tornado import web
 from tornado.websocket import WebSocketClosedError
 
-from engines.errors import OutOfRangeError
-from studio import downloads, tasks
+from engines.errors import MotionloomError, OutOfRangeError
+from studio import downloads, exchange, tasks
 from studio.jobs import JobQueue, shared_queue
+from studio.library import Library, open_library
+from studio.links import Link
 from studio.session import Session
 from studio.settings import GenerateSettings
 from studio.state import StudioState
@@ -30,12 +33,37 @@ log = logging.getLogger(__name__)
 MESSAGE_LIMIT = 8 * 2**20
 """Largest message a browser may send, bytes; files travel in pieces of 1 MB."""
 _PORTS_TRIED = 20
+_LOOK_EVERY = 2000
+"""Milliseconds after which a page looks whether others changed its project."""
 
 
-def make_app(queue: JobQueue | None = None) -> pn.Template:
+@dataclass(frozen=True)
+class Keeping:
+    """Where the projects of all pages are kept."""
+
+    library: Library | None = None
+    problem: str = ""
+    """Why there is no library."""
+
+
+def keep(url: str | None = None) -> Keeping:
+    """Open the library; where it cannot be used, the studio works without, and says why."""
+    try:
+        return Keeping(open_library(url))
+    except MotionloomError as problem:
+        log.warning("%s Takes are kept in memory only.", problem)
+        return Keeping(None, str(problem))
+
+
+def make_app(queue: JobQueue | None = None, keeping: Keeping | None = None) -> pn.Template:
     """The page of one browser session. Its work is stopped and its files are removed when the session ends."""
     doc = pn.state.curdoc
-    session = Session(StudioState(), queue=queue, dispatch=_on_document(doc))
+    kept = keeping or Keeping()
+    session = Session(
+        StudioState(), queue=queue, dispatch=_on_document(doc), library=kept.library, problem=kept.problem
+    )
+    link = Link.of_page(kept.library)
+    session.state.frame = link.frame
     page = _lay_out(session)
     atexit.register(session.close)
 
@@ -44,7 +72,9 @@ def make_app(queue: JobQueue | None = None) -> pn.Template:
         session.close()
 
     pn.state.on_session_destroyed(leave)
-    pn.state.onload(session.start)
+    pn.state.onload(lambda: session.start(link.project, link.take, link.asked))
+    if kept.library is not None:
+        pn.state.add_periodic_callback(session.projects.refresh, period=_LOOK_EVERY)
     return page
 
 
@@ -74,6 +104,7 @@ def _lay_out(session: Session) -> pn.Template:
         "stage": stage.stage(session),
         "takes": takes.gallery(session),
         "inspector": inspector.inspector(session),
+        "projects": topbar.project_list(session),
         "page": topbar.page(session, bar),
     }
     for name, part in parts.items():
@@ -133,7 +164,12 @@ def free_port(port: int, host: str = "127.0.0.1") -> int:
 
 
 def serve(
-    port: int = 5006, host: str = "127.0.0.1", open_browser: bool = True, queue: JobQueue | None = None, **options: Any
+    port: int = 5006,
+    host: str = "127.0.0.1",
+    open_browser: bool = True,
+    queue: JobQueue | None = None,
+    library: str | None = None,
+    **options: Any,
 ) -> Any:
     """Serve the studio until interrupted.
 
@@ -142,6 +178,7 @@ def serve(
         host: address to listen on; other machines reach the studio only if this says so.
         open_browser: show the page.
         queue: where long work runs; shared by the process unless given.
+        library: SQLAlchemy URL, or path of a SQLite file; in the user's data folder unless given.
         options: passed on to `panel.serve`, as `threaded=True` or `start=False`.
     """
     chosen = free_port(port, host)
@@ -152,10 +189,12 @@ def serve(
         # as on Ctrl+C: what sessions left behind is cleared away on the way out
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     (queue or shared_queue()).submit("server", "warm up", _warm_up)
+    exchange.sweep()
+    kept = keep(library)
     local = host in ("127.0.0.1", "localhost", "::1")
     origins = [f"{name}:{chosen}" for name in ("localhost", "127.0.0.1")] if local else ["*"]
     return pn.serve(
-        {"/": lambda: make_app(queue)},
+        {"/": lambda: make_app(queue, kept)},
         port=chosen,
         address=host,
         websocket_origin=origins,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 import uuid
@@ -13,6 +14,7 @@ from engines import formats
 from engines.errors import FormatError, MotionloomError, OutOfRangeError
 from studio import downloads, tasks
 from studio.jobs import Cancel, Job, Progress
+from studio.library.library import UNTITLED
 from studio.settings import Settings, ending
 from studio.wording import duration
 
@@ -25,8 +27,6 @@ IMPORTS = tuple(
     sorted({Path("motion" + end).suffix for kind in formats.formats() if kind.reads for end in kind.extensions})
 )
 """Extensions the app reads."""
-UNTITLED = "Untitled scene"
-"""Name of a scene that was not given one; it does not go into file names."""
 
 
 class Exchange:
@@ -63,18 +63,20 @@ class Exchange:
         state = self.session.state
         state.param.update(import_error="", import_status=f"Reading {name}…")
 
-        def read(_progress: Any, _cancel: Any) -> tuple[engines.Motion, dict]:
+        takes = self.session.takes
+
+        def read(_progress: Any, _cancel: Any) -> tuple[Any, dict]:
             motion = read_upload(name, data)
-            return motion, dict(tasks.measure(motion))
+            return takes.store.hold([motion])[0], dict(tasks.measure(motion))
 
         def show(job: Job) -> None:
             if job.status == "failed":
                 state.param.update(import_error=job.error, import_status="")
             elif job.status == "done":
-                motion, metrics = job.result
-                made = self.session.takes.add([motion], group=uuid.uuid4().hex, source=name, metrics=[metrics])
-                state.import_status = f"Imported {name}: {motion.frames:,} frames, {duration(motion.duration)}."
-                self.session.shelve(made)
+                held, metrics = job.result
+                made = takes.add([held], group=uuid.uuid4().hex, source=name, metrics=[metrics])
+                state.import_status = f"Imported {name}: {made[0].frames:,} frames, {duration(made[0].duration)}."
+                self.session.shelve(made, takes)
 
         self.session.submit(f"import {name}", read, show, lane="file")
 
@@ -89,7 +91,7 @@ class Exchange:
         how = state.export_settings()
         subject = take.subject if take.settings else Path(take.subject).stem
         name = f"{self._prefix()}{take.id}-{tasks.slug(subject)}{ending(state.export_format)}"
-        self.folder = self.folder or Path(tempfile.mkdtemp(prefix="motionloom-"))
+        self.folder = self.folder or Path(tempfile.mkdtemp(prefix=_mark()))
         path = Path(tempfile.mkdtemp(dir=self.folder)) / name
         state.param.update(
             export_status="queued", export_progress=0.0, export_error="", export_name=name, export_url="",
@@ -146,7 +148,7 @@ def read_upload(name: str, data: bytes) -> engines.Motion:
         raise FormatError(name, f"files of this kind are not read; accepted: {', '.join(IMPORTS)}")
     if not data:
         raise FormatError(name, "the file is empty")
-    with tempfile.TemporaryDirectory(prefix="motionloom-") as folder:
+    with tempfile.TemporaryDirectory(prefix=_mark()) as folder:
         path = Path(folder) / f"upload{suffix}"
         path.write_bytes(data)
         try:
@@ -155,3 +157,26 @@ def read_upload(name: str, data: bytes) -> engines.Motion:
             raise FormatError(name, problem.problem, problem.line) from None
         except MotionloomError as problem:
             raise FormatError(name, str(problem).replace(str(path), name)) from None
+
+
+def sweep() -> None:
+    """Remove the files of studios that were killed before they could do it themselves."""
+    for folder in Path(tempfile.gettempdir()).glob("motionloom-*-*"):
+        process = folder.name.split("-")[1]
+        if os.name == "posix" and process.isdigit() and not _alive(int(process)):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _mark() -> str:
+    """Of the names of temporary folders: they say whose they are."""
+    return f"motionloom-{os.getpid()}-"
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # somebody else's
+        return True
+    return True

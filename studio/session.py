@@ -9,20 +9,23 @@ from __future__ import annotations
 import logging
 import random
 import threading
-import time
 import uuid
 from collections.abc import Callable
 from copy import copy
 from typing import Any
 
 import engines
-from studio import tasks, thumbnails
+from engines.errors import MotionloomError
+from studio import draws, tasks, thumbnails
 from studio.exchange import Exchange
 from studio.jobs import Job, JobQueue, Work, shared_queue
+from studio.library import Library, Query
+from studio.library.query import tags as clean_tags
 from studio.pinning import Pinning
-from studio.settings import GenerateSettings
+from studio.projects import Projects
 from studio.state import StudioState
-from studio.takes import Take, TakeList
+from studio.takes import Take, TakeList, TakeStore
+from studio.wording import counted
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +42,8 @@ class Session:
         state: parameters the views watch.
         queue: where long work runs; the process's shared one unless given.
         dispatch: runs a function on the thread that owns `state`; at once unless given.
+        library: where projects are kept; in memory only unless given.
+        problem: why there is no library, for a person.
     """
 
     def __init__(
@@ -46,6 +51,8 @@ class Session:
         state: StudioState | None = None,
         queue: JobQueue | None = None,
         dispatch: Callable[[Callable[[], None]], Any] | None = None,
+        library: Library | None = None,
+        problem: str = "",
     ) -> None:
         self.id = uuid.uuid4().hex
         self.state = state or StudioState()
@@ -54,25 +61,48 @@ class Session:
         self.takes = TakeList(on_change=self._takes_changed)
         self.files = Exchange(self)
         self.pins = Pinning(self)
+        self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
         self._draws = 0
         self._loaded = ("", "")
         self.state.param.watch(self._restage, ["selected", "stage_mode", "compared"])
         self.state.param.watch(self._engine_asked, ["engine", "variant"])
+        self.state.param.watch(self._search, ["takes", "search"])
 
     # ---- life ---------------------------------------------------------------------------------------------
 
-    def start(self) -> None:
-        """Load the engine and draw the first takes, so that a newcomer sees people moving at once; only once."""
+    def start(self, project: str = "", take: str = "", asked: bool = False) -> None:
+        """Open a project and load the engine; only once.
+
+        In an empty project that nobody worked in takes are drawn at once, so that a newcomer sees people moving.
+
+        Args:
+            project: key of the project to open; a new one where it is not there.
+            take: id of the take to pick.
+            asked: a link names them.
+        """
         if self.state.engines:
             return
         self.state.engines = engines.available()
-        self._load_engine(then=self.generate)
+        self.projects.first(project, asked)
+        self.select(take)
+        self._load_engine(then=None if self.state.takes or self.takes.undo_name else self.generate)
+
+    def enter(self, store: TakeStore) -> None:
+        """Show the takes of another store."""
+        self.cancel_generate()
+        self.takes = TakeList(store, self._takes_changed)
+        self.state.param.update(selected="", compared=[], search="", thumbnails=store.pictures(), generate_note="")
+        self._takes_changed(self.takes)
+        bare = [take for take in self.takes if take.id not in self.state.thumbnails]
+        if bare:
+            self._draw_pictures(bare)
 
     def close(self) -> None:
-        """Stop the work and remove the files of this session."""
+        """Stop the work, remove the files of this session, and save what waits."""
         self.queue.cancel_all(self.id)
         self.files.close()
+        self.projects.close()
 
     # ---- generating ---------------------------------------------------------------------------------------
 
@@ -86,10 +116,11 @@ class Session:
         self._draws += 1
         asked = state.generate_settings()
         state.param.update(generating=True, generate_progress=0.0, generate_error="", generate_note="", tool="none")
+        takes = self.takes
         self._drawing = self.submit(
             f"{asked.count} × {asked.subject[:60]}",
-            lambda progress, cancel: _draw(asked, progress, cancel),
-            self._drawn,
+            lambda progress, cancel: draws.draw(asked, takes.store, progress, cancel),
+            lambda job: self._drawn(job, takes),
         )
 
     def cancel_generate(self) -> None:
@@ -120,7 +151,8 @@ class Session:
             pinned=made.constraints, request=tab, compose_tab=tab,
         )  # fmt: skip
 
-    def _drawn(self, job: Job) -> None:
+    def _drawn(self, job: Job, takes: TakeList) -> None:
+        """A draw is under way or done; its takes go where they were asked for, though another project be open."""
         state = self.state
         state.generate_progress = job.fraction
         if not job.finished:
@@ -131,33 +163,51 @@ class Session:
         elif job.status == "cancelled":
             state.message = f"Cancelled: {job.title}"
         else:
-            asked, motions, metrics, seconds = job.result
-            state.generate_rate = len(motions) * asked.best_of * asked.frames / max(seconds, 1e-3)
-            state.generate_note = _note(motions)
-            made = self.takes.add(motions, group=uuid.uuid4().hex, settings=asked, metrics=metrics)
-            self.shelve(made)
+            drawn: draws.Drawn = job.result
+            state.generate_rate = drawn.rate
+            made = takes.add(drawn.held, group=uuid.uuid4().hex, settings=drawn.asked, metrics=drawn.metrics)
+            self.shelve(made, takes)
+            state.generate_note = drawn.note if takes is self.takes else ""
 
-    def shelve(self, made: list[Take]) -> None:
+    def shelve(self, made: list[Take], takes: TakeList) -> None:
         """Show new takes and have their pictures drawn."""
+        if takes is not self.takes:
+            return
         mode = "all" if self.state.stage_mode == "compare" else self.state.stage_mode
         self.state.param.update(selected=made[0].id, stage_mode=mode)
+        self._draw_pictures(made)
+
+    def _draw_pictures(self, made: list[Take]) -> None:
+        """Thumbnails, drawn one after another and kept with the takes."""
         drawn: dict[str, str] = {}
+        store = self.takes.store
 
         def draw(progress, _cancel) -> None:
             from viewers.scene import PALETTE
 
             for count, take in enumerate(made, 1):
-                drawn[take.id] = thumbnails.thumbnail(take.motion, PALETTE[(count - 1) % len(PALETTE)])
+                place = (take.settings.take or count) - 1 if take.settings else count - 1
+                drawn[take.id] = thumbnails.thumbnail(take.motion, PALETTE[place % len(PALETTE)])
                 progress(count, len(made))
+            store.keep_pictures({take.number: drawn[take.id] for take in made})
 
         def show(job: Job) -> None:
             if job.status == "failed":
                 log.warning("no thumbnails: %s", job.error)
-            self.state.thumbnails = {**self.state.thumbnails, **drawn}
+            if store is self.takes.store:
+                self.state.thumbnails = {**self.state.thumbnails, **drawn}
 
         self.submit("thumbnails", draw, show, lane="still")
 
     # ---- takes --------------------------------------------------------------------------------------------
+
+    def motion(self, take: Take) -> engines.Motion | None:
+        """The motion of a take; None, and a word on why, where the library does not give it."""
+        try:
+            return take.motion
+        except MotionloomError as problem:
+            self.state.message = f"{take.title} cannot be shown: {problem}"
+            return None
 
     def select(self, take_id: str) -> None:
         """Pick a take."""
@@ -169,6 +219,10 @@ class Session:
         take = self.takes.get(take_id)
         if take is not None:
             self.takes.mark(take_id, **{flag: not getattr(take, flag)})
+
+    def tag(self, take_id: str, texts: list[str]) -> None:
+        """Give a take these tags, in place of those it had."""
+        self.takes.mark(take_id, tags=clean_tags(texts))
 
     def compare(self, take_id: str) -> None:
         """Tick or untick a take for comparison; the stage follows."""
@@ -187,7 +241,8 @@ class Session:
     def clear(self) -> None:
         """Delete the takes that are neither kept nor starred; undo brings them back."""
         gone = self.takes.clear()
-        self.state.message = f"Cleared {gone} takes. Undo brings them back." if gone else "Nothing to clear."
+        what = counted(gone, "take")
+        self.state.message = f"Cleared {what}. Undo brings them back." if gone else "Nothing to clear."
 
     def undo(self) -> None:
         """Take the last step back."""
@@ -201,7 +256,18 @@ class Session:
         if name:
             self.state.message = f"Redid: {name}"
 
+    def takes_moved(self) -> None:
+        """Others changed the takes."""
+        self._takes_changed(self.takes)
+
+    def _search(self, *_: Any) -> None:
+        query = Query.parse(self.state.search)
+        self.state.found = [take.id for take in self.state.takes if query.matches(take)] if query else None
+
     def _takes_changed(self, takes: TakeList) -> None:
+        self.projects.show_saved()
+        if takes is not self.takes:
+            return
         state = self.state
         before = [take.id for take in state.takes]
         now = takes.all
@@ -210,7 +276,8 @@ class Session:
         if state.selected not in ids:
             place = before.index(state.selected) if state.selected in before else len(ids)
             left = [i for i in before[place + 1 :] + before[:place][::-1] if i in ids]
-            state.selected = (left or ids[-1:] or [""])[0]
+            newest = [take.id for take in takes.group_of(ids[-1])] if ids else [""]
+            state.selected = (left or newest)[0]
         if any(i not in ids for i in state.compared):
             state.compared = [i for i in state.compared if i in ids]
         self._restage()
@@ -297,23 +364,3 @@ class Session:
                 self.dispatch(lambda: act(job))
 
         return self.queue.submit(self.id, title, work, lane=lane, on_change=changed)
-
-
-def _note(motions: list) -> str:
-    """One line on what of the things pinned could not be met."""
-    each = [tasks.unmet(motion) for motion in motions]
-    said = next(filter(None, each), [])
-    if not said:
-        return ""
-    more = f" And {len(said) - 1} more." if len(said) > 1 else ""
-    if all(other == said for other in each):
-        return said[0] + more
-    touched = sum(map(bool, each))
-    return f"{said[0]}{more} So in {touched} of {len(motions)} takes, more or less; see Details."
-
-
-def _draw(asked: GenerateSettings, progress, cancel) -> tuple[GenerateSettings, list, list, float]:
-    began = time.perf_counter()
-    motions = tasks.generate(asked, progress, cancel)
-    seconds = time.perf_counter() - began
-    return asked, motions, [dict(tasks.measure(motion)) for motion in motions], seconds

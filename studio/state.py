@@ -29,7 +29,15 @@ class StudioState(param.Parameterized):
     """Everything a view may show or change."""
 
     # ---- the scene ----
-    scene = param.String("Untitled scene", doc="Name of the scene; part of exported file names.")
+    scene = param.String("Untitled scene", doc="Name of the project; part of exported file names.")
+    project = param.String("", doc="Key of the project in the library; empty while it is in memory only.")
+    saved = param.Selector(
+        default="memory", objects=["saved", "unsaved", "memory"], doc="Whether all that was done is in the library."
+    )
+    saved_note = param.String("", doc="Where it is saved, or why it is not.")
+    projects = param.List([], doc="Projects to open, as dicts: key, name, about, found, more.")
+    deleted_projects = param.List([], doc="The same of those that can be brought back.")
+    projects_search = param.String("", doc="What projects are looked for.")
     theme = param.Selector(default="dark", objects=["dark", "light"], doc="Colours of the page.")
 
     # ---- what the engine can do (set when it is loaded) ----
@@ -63,6 +71,7 @@ class StudioState(param.Parameterized):
     pinned = param.ClassSelector(class_=Pinned, default=NOTHING, doc="What is pinned of the motion to come.")
     tool = param.Selector(default="none", objects=["none", "path", "joint"], doc="What the mouse draws on the stage.")
     playhead = param.Number(0.0, doc="Where the player is, seconds.")
+    frame = param.Integer(-1, doc="Frame at which the player stands still; -1 while it plays or shows nothing.")
     pin_error = param.String("", doc="Why the last thing could not be pinned.")
 
     # ---- takes ----
@@ -72,6 +81,10 @@ class StudioState(param.Parameterized):
     compared = param.List([], doc="Ids ticked for comparison.")
     stage_mode = param.Selector(default="all", objects=["all", "one", "compare"], doc="Which takes the stage shows.")
     thumbnails = param.Dict({}, doc="Take id -> picture as a data URI.")
+    search = param.String("", doc="What is looked for among the takes; see `studio.library.query`.")
+    found: Any = param.List(
+        default=None, allow_None=True, doc="Ids of the takes that fit; None while nothing is looked for."
+    )
     undo_name = param.String("", doc="What undo takes back.")
     redo_name = param.String("", doc="What redo brings back.")
 

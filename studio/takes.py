@@ -1,20 +1,44 @@
-"""Takes: every motion a session made or imported, with undo and redo of one step each.
+"""Takes: every motion a project holds, with undo and redo of one step each.
 
-The list of takes is an immutable tuple; each change replaces it and remembers the one before. Where the tuple is kept
-is behind `TakeStore`: here in memory; a library in a database implements the same three methods.
+A step is a list of changes, each of a few fields of one take; undo sets those fields back and leaves all else as it is.
+So steps that two browsers, or two programs, do in one project do not undo each other. Where takes and steps are kept is
+behind `TakeStore`: here in memory, in `studio.library.shelf` in a database.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import uuid
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 from engines import Motion
 from engines.errors import OutOfRangeError
 from studio.settings import GenerateSettings
 
 UNDO_STEPS = 100
+CHANGING = ("favourite", "accepted", "tags", "edits")
+"""Fields of a take that a person changes after it was made."""
+PRESENT = "present"
+"""Stands in a change for the take itself being on the shelf."""
+
+
+class Held(Protocol):
+    """A motion that lies elsewhere and is fetched when it is looked at."""
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        ...
+
+    @property
+    def fps(self) -> float:
+        """Frames a second."""
+        ...
+
+    def motion(self) -> Motion:
+        """The motion itself."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,9 +46,9 @@ class Take:
     """One motion on the shelf."""
 
     number: int
-    """Counted from 1 through the session; never used twice."""
-    motion: Motion
-    """The motion itself."""
+    """Counted from 1 through the project; never used twice."""
+    held: Motion | Held
+    """The motion, or what fetches it."""
     group: str
     """Key shared by the takes of one draw or one imported file; they stand together in the gallery."""
     settings: GenerateSettings | None = None
@@ -37,6 +61,10 @@ class Take:
     """Starred."""
     accepted: bool = False
     """Kept: "Clear" leaves it where it is."""
+    tags: tuple[str, ...] = ()
+    """Words a person gave it; see `studio.library.query.tag`."""
+    edits: tuple[str, ...] = ()
+    """What is done to it before it is shown and exported, the motion itself staying as it is; see `studio.edits`."""
 
     @property
     def id(self) -> str:
@@ -49,6 +77,25 @@ class Take:
         return f"Take {self.number}"
 
     @property
+    def motion(self) -> Motion:
+        """The motion, as it was made.
+
+        Raises:
+            MotionloomError: it lies in a library and cannot be fetched.
+        """
+        return self.held if isinstance(self.held, Motion) else self.held.motion()
+
+    @property
+    def frames(self) -> int:
+        """Number of frames; the motion is not fetched for that."""
+        return self.held.frames
+
+    @property
+    def duration(self) -> float:
+        """Seconds it lasts."""
+        return self.held.frames / self.held.fps
+
+    @property
     def subject(self) -> str:
         """What it shows: the action, the prompt, or the imported file."""
         if self.settings is not None:
@@ -56,19 +103,69 @@ class Take:
         return self.source or self.motion.label_at(0) or "motion"
 
 
-class TakeStore(Protocol):
-    """Where takes are kept. A write happens at every step, undo and redo included."""
+@dataclass(frozen=True)
+class Change:
+    """What a step does to one take."""
 
-    def read(self) -> tuple[Take, ...]:
-        """The takes as last written."""
+    number: int
+    """Of the take."""
+    fields: Mapping[str, tuple[Any, Any]]
+    """Name -> (value before, value after), of `CHANGING`, or `PRESENT`."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One thing a person did, to be undone as one."""
+
+    name: str
+    """For a person: "delete take 2"."""
+    changes: tuple[Change, ...]
+    uid: str = field(default_factory=lambda: uuid.uuid4().hex)
+
+
+class TakeStore(Protocol):
+    """Where takes and steps are kept. Every step is written as it is done, undo and redo included."""
+
+    @property
+    def undo_name(self) -> str:
+        """What the next undo takes back; empty when there is nothing."""
         ...
 
-    def write(self, takes: tuple[Take, ...]) -> None:
-        """Keep these takes; those no longer among them are gone."""
+    @property
+    def redo_name(self) -> str:
+        """What the next redo brings back; empty when there is nothing."""
+        ...
+
+    def read(self) -> tuple[Take, ...]:
+        """The takes on the shelf, oldest first."""
         ...
 
     def next_number(self) -> int:
-        """A number never given before."""
+        """A number never given before, as far as is known here."""
+        ...
+
+    def hold(self, motions: Sequence[Motion]) -> Sequence[Motion | Held]:
+        """What takes long about keeping motions, done beforehand; to be called off the UI thread."""
+        ...
+
+    def do(self, step: Step, new: Sequence[Take] = ()) -> list[Take]:
+        """Keep new takes and do a step. Returns the new ones as they are kept (their numbers may have moved on)."""
+        ...
+
+    def undo(self) -> str:
+        """Take the last step back. Returns its name, empty when there was none."""
+        ...
+
+    def redo(self) -> str:
+        """Do the last step taken back again. Returns its name, empty when there was none."""
+        ...
+
+    def pictures(self) -> dict[str, str]:
+        """Thumbnails kept, as data URIs by the take's id."""
+        ...
+
+    def keep_pictures(self, pictures: Mapping[int, str]) -> None:
+        """Keep thumbnails, by the take's number; may be called off the UI thread."""
         ...
 
 
@@ -76,21 +173,83 @@ class MemoryStore:
     """Takes kept for as long as the session lives."""
 
     def __init__(self) -> None:
-        self._takes: tuple[Take, ...] = ()
-        self._numbers = 0
+        self.known: dict[int, Take] = {}
+        """Takes by number, those taken off the shelf included while a step still knows them."""
+        self.present: set[int] = set()
+        self.done: list[Step] = []
+        self.undone: list[Step] = []
+        self.numbers = 0
+
+    @property
+    def undo_name(self) -> str:
+        """What the next undo takes back."""
+        return self.done[-1].name if self.done else ""
+
+    @property
+    def redo_name(self) -> str:
+        """What the next redo brings back."""
+        return self.undone[-1].name if self.undone else ""
 
     def read(self) -> tuple[Take, ...]:
-        """The takes as last written."""
-        return self._takes
-
-    def write(self, takes: tuple[Take, ...]) -> None:
-        """Keep these takes."""
-        self._takes = takes
+        """The takes on the shelf, oldest first."""
+        return tuple(self.known[number] for number in sorted(self.present))
 
     def next_number(self) -> int:
         """A number never given before."""
-        self._numbers += 1
-        return self._numbers
+        self.numbers += 1
+        return self.numbers
+
+    def hold(self, motions: Sequence[Motion]) -> Sequence[Motion | Held]:
+        """They are held as they are."""
+        return motions
+
+    def do(self, step: Step, new: Sequence[Take] = ()) -> list[Take]:
+        """Keep new takes and do a step."""
+        self.known |= {take.number: take for take in new}
+        self._apply(step, after=True)
+        self.done.append(step)
+        del self.done[:-UNDO_STEPS]
+        self.undone.clear()
+        self._forget()
+        return list(new)
+
+    def undo(self) -> str:
+        """Take the last step back."""
+        return self._travel(self.done, self.undone, after=False)
+
+    def redo(self) -> str:
+        """Do the last step taken back again."""
+        return self._travel(self.undone, self.done, after=True)
+
+    def pictures(self) -> dict[str, str]:
+        """None: whoever shows them keeps them."""
+        return {}
+
+    def keep_pictures(self, pictures: Mapping[int, str]) -> None:
+        """Nothing to do."""
+
+    def _travel(self, source: list[Step], target: list[Step], after: bool) -> str:
+        if not source:
+            return ""
+        step = source.pop()
+        self._apply(step, after)
+        target.append(step)
+        return step.name
+
+    def _apply(self, step: Step, after: bool) -> None:
+        for change in step.changes:
+            take = self.known.get(change.number)
+            if take is None:
+                continue
+            values = {name: pair[after] for name, pair in change.fields.items()}
+            present = values.pop(PRESENT, change.number in self.present)
+            self.present = self.present | {change.number} if present else self.present - {change.number}
+            self.known[change.number] = replace(take, **values) if values else take
+
+    def _forget(self) -> None:
+        """Takes that no undo can bring back."""
+        wanted = self.present | {change.number for step in self.done for change in step.changes}
+        self.known = {number: take for number, take in self.known.items() if number in wanted}
 
 
 class TakeList:
@@ -104,8 +263,6 @@ class TakeList:
     def __init__(self, store: TakeStore | None = None, on_change: Callable[[TakeList], None] | None = None) -> None:
         self.store = store or MemoryStore()
         self.on_change = on_change
-        self._undo: list[tuple[str, tuple[Take, ...]]] = []
-        self._redo: list[tuple[str, tuple[Take, ...]]] = []
 
     # ---- reading ------------------------------------------------------------------------------------------
 
@@ -135,18 +292,18 @@ class TakeList:
     @property
     def undo_name(self) -> str:
         """What the next undo takes back ("delete take 2"); empty when there is nothing."""
-        return self._undo[-1][0] if self._undo else ""
+        return self.store.undo_name
 
     @property
     def redo_name(self) -> str:
         """What the next redo brings back; empty when there is nothing."""
-        return self._redo[-1][0] if self._redo else ""
+        return self.store.redo_name
 
     # ---- changing, one step each ----------------------------------------------------------------------------
 
     def add(
         self,
-        motions: Iterable[Motion],
+        motions: Iterable[Motion | Held],
         *,
         group: str,
         settings: GenerateSettings | None = None,
@@ -159,66 +316,56 @@ class TakeList:
         for place, motion in enumerate(motions):
             own = None if settings is None else replace(settings, take=settings.take or place + 1)
             values = measured[place] if place < len(measured) else {}
-            number = self.store.next_number()
-            made.append(Take(number, motion, group, own, source, values))
+            made.append(Take(self.store.next_number(), motion, group, own, source, values))
         if not made:
             raise OutOfRangeError("number of motions", 0, "1 or more")
         verb = "generate" if settings is not None else "import"
-        self._step(f"{verb} {made[0].subject}", (*self.all, *made))
-        return made
+        changes = [Change(take.number, {PRESENT: (False, True)}) for take in made]
+        return self._do(f"{verb} {made[0].subject}", changes, made)
 
     def remove(self, take_id: str) -> None:
         """Delete a take."""
         take = self.get(take_id)
         if take is not None:
-            self._step(f"delete {take.title.lower()}", tuple(t for t in self.all if t.id != take_id))
+            self._do(f"delete {take.title.lower()}", [Change(take.number, {PRESENT: (True, False)})])
 
     def clear(self) -> int:
         """Delete every take that is neither kept nor a favourite. Returns how many went."""
-        stay = tuple(t for t in self.all if t.accepted or t.favourite)
-        gone = len(self.all) - len(stay)
+        gone = [take for take in self.all if not (take.accepted or take.favourite)]
         if gone:
-            self._step(f"clear {gone} takes", stay)
-        return gone
+            count = "1 take" if len(gone) == 1 else f"{len(gone)} takes"
+            self._do(f"clear {count}", [Change(take.number, {PRESENT: (True, False)}) for take in gone])
+        return len(gone)
 
-    def mark(self, take_id: str, **flags: bool) -> None:
-        """Set `favourite` or `accepted` of a take."""
+    def mark(self, take_id: str, **fields: Any) -> None:
+        """Set `favourite`, `accepted`, `tags` or `edits` of a take."""
         take = self.get(take_id)
-        if take is None or all(getattr(take, name) == value for name, value in flags.items()):
+        if take is None:
             return
-        words = {
-            ("favourite", True): "star", ("favourite", False): "unstar",
-            ("accepted", True): "keep", ("accepted", False): "unkeep",
-        }  # fmt: skip
-        name, value = next(iter(flags.items()))
-        changed = replace(take, **flags)
-        self._step(
-            f"{words[name, value]} {take.title.lower()}", tuple(changed if t.id == take_id else t for t in self.all)
-        )
+        changed = {name: (getattr(take, name), value) for name, value in fields.items() if getattr(take, name) != value}
+        if changed:
+            name, (_before, after) = next(iter(changed.items()))
+            self._do(f"{_verb(name, after)} {take.title.lower()}", [Change(take.number, changed)])
 
     def undo(self) -> str:
         """Take the last step back. Returns its name, empty when there was none."""
-        return self._travel(self._undo, self._redo)
+        return self._told(self.store.undo())
 
     def redo(self) -> str:
         """Bring the last step taken back again. Returns its name, empty when there was none."""
-        return self._travel(self._redo, self._undo)
+        return self._told(self.store.redo())
 
-    def _travel(self, source: list, target: list) -> str:
-        if not source:
-            return ""
-        name, takes = source.pop()
-        target.append((name, self.all))
-        self._write(takes)
+    def _do(self, name: str, changes: Sequence[Change], new: Sequence[Take] = ()) -> list[Take]:
+        made = self.store.do(Step(name, tuple(changes)), new)
+        self._told(name)
+        return made
+
+    def _told(self, name: str) -> str:
+        if name and self.on_change is not None:
+            self.on_change(self)
         return name
 
-    def _step(self, name: str, takes: tuple[Take, ...]) -> None:
-        self._undo.append((name, self.all))
-        del self._undo[:-UNDO_STEPS]
-        self._redo.clear()
-        self._write(takes)
 
-    def _write(self, takes: tuple[Take, ...]) -> None:
-        self.store.write(takes)
-        if self.on_change is not None:
-            self.on_change(self)
+def _verb(field_name: str, value: Any) -> str:
+    words = {"favourite": ("unstar", "star"), "accepted": ("unkeep", "keep"), "tags": ("untag", "tag")}
+    return words.get(field_name, ("restore", "edit"))[bool(value)]

@@ -1,8 +1,8 @@
 // The page as a whole: colours, shortcuts, a line in the corner, help. It draws nothing of its own in the layout.
 const HELP = [
-  ["Everywhere", [["Ctrl Enter", "generate"], ["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl O", "import a file"], ["Ctrl E", "export the selected take"], ["?", "this help"]]],
+  ["Everywhere", [["Ctrl Enter", "generate"], ["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl O", "import a file"], ["Ctrl E", "export the selected take"], ["Ctrl Shift P", "projects"], ["?", "this help"]]],
   ["Stage", [["Space", "play or pause"], ["← →", "one frame back or on"], ["Shift ← →", "ten frames"], ["Home End", "first or last frame"], ["I O", "loop from here, to here"], ["S", "body, skeleton, both"], ["G T C", "ghosts, trail, foot contacts"], ["F", "follow the picked one"], ["1 2 3 4", "front, back, left, right"], ["0", "everybody in view"], ["P", "picture of the stage"], ["Esc", "put the drawing tool down"]]],
-  ["Takes", [["↑ ↓", "pick another"], ["F", "star"], ["K", "keep"], ["C", "compare"], ["A", "again, on another seed"], ["Del", "delete"]]],
+  ["Takes", [["↑ ↓", "pick another"], ["F", "star"], ["K", "keep"], ["C", "compare"], ["A", "again, on another seed"], ["T", "tag"], ["Del", "delete"]]],
   ["Actions", [["type", "search"], ["↓", "into the grid"], ["arrows", "move"], ["Enter", "choose"]]],
 ]
 export function render(part) {
@@ -15,6 +15,7 @@ export function render(part) {
     h("p", {class: "hint"}, "Drag to turn the camera, scroll to come nearer, drag with the right button to move aside. Drop a motion file anywhere to import it."),
     h("p", {class: "hint"}, model.about))
   dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() })
+  const lost = h("div", {class: "lost", role: "alert", hidden: true}, icon("warning"), h("span", {}, "The studio does not answer. Everything shown as saved is safe; this page opens again by itself once it is back."))
   const veil = h("div", {class: "veil", hidden: true}, h("div", {}, icon("upload"), "Drop to import"))
 
   const deepActive = () => { let node = document.activeElement; while (node?.shadowRoot?.activeElement) node = node.shadowRoot.activeElement; return node }
@@ -45,7 +46,7 @@ export function render(part) {
     }
   }
   const onHelp = () => { if (!dialog.open) dialog.showModal() }
-  mount(part, [toast, dialog, veil], {keydown: onKey, "motionloom:help": onHelp, ...fileListeners(veil)})
+  mount(part, [toast, dialog, lost, veil], {keydown: onKey, "motionloom:help": onHelp, ...fileListeners(veil)})
   let timer = 0
   model.on("message", () => {
     if (!model.message) return
@@ -64,7 +65,34 @@ export function render(part) {
     try { localStorage.setItem("motionloom-theme", model.theme) } catch { /* private window */ }
   })
   watch(model, ["title"], () => { document.title = model.title })
+  watch(model, ["address", "cookie"], () => follow(model))
+  mind(lost)
   requestAnimationFrame(() => document.getElementById("splash")?.classList.add("gone"))
+}
+/** The address says what is shown, and a cookie which project was open last. */
+function follow({address, cookie}) {
+  if (!address.project) return
+  const query = new URLSearchParams(location.search)
+  for (const [name, value] of Object.entries(address)) if (value) query.set(name, value); else query.delete(name)
+  const next = `${location.pathname}?${query}`
+  if (next !== location.pathname + location.search) history.replaceState(history.state, "", next)
+  if (cookie) document.cookie = `${cookie}=${address.project}; path=/; max-age=31536000; samesite=strict`
+}
+/** The studio may be stopped and started again while the page is open: it says so, and comes back with the same takes. */
+function mind(lost) {
+  for (const shown of Bokeh.documents) {
+    Object.assign(shown.config, {reconnect_session: false, notify_connection_status: false})
+    shown.on_event("connection_lost", () => {
+      if (!lost.hidden) return
+      lost.hidden = false
+      const ask = async () => {
+        const answer = await fetch("assets/favicon.svg", {cache: "no-store"}).catch(() => null)
+        if (answer?.ok) location.reload()
+        else setTimeout(ask, 1000)
+      }
+      setTimeout(ask, 500)
+    })
+  }
 }
 /** A file dropped anywhere is handed to the import. */
 function fileListeners(veil) {

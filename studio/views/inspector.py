@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 
+from engines.errors import MotionloomError
 from studio import tasks
 from studio.quality import measures
 from studio.session import Session
@@ -15,7 +16,7 @@ from studio.settings import GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.forms import column, dressed, html, row
-from studio.views.parts import ExportBox, Segments
+from studio.views.parts import ExportBox, Segments, Tags
 from studio.wording import duration
 
 FORMATS = [
@@ -72,13 +73,36 @@ def _details(session: Session) -> pn.Column:
 
     def show(*_: Any) -> None:
         take = state.take()
-        text.object = describe(take) if take else "<p class='hint'>Pick a take to see what made it.</p>"
+        text.object = _described(take) if take else "<p class='hint'>Pick a take to see what made it.</p>"
         name, _text = session.files.settings_file()
         save.param.update(visible=bool(name), filename=name or "take.json")
 
     state.param.watch(show, ["selected", "takes"])
     show()
-    return column(text, save, gap=8)
+    return column(_tags(session), text, save, gap=8)
+
+
+def _tags(session: Session) -> Tags:
+    """The words given to the selected take."""
+    state = session.state
+    part = Tags(sizing_mode="stretch_width", margin=0)
+
+    def shown() -> dict[str, Any]:
+        take = state.take()
+        known = sorted({tag for other in state.takes for tag in other.tags})
+        return {"take": take.title if take else "", "words": list(take.tags) if take else [], "known": known}
+
+    follow(part, state, ["selected", "takes"], shown)
+    part.on("tags", lambda message: session.tag(state.selected, [str(tag) for tag in message.get("tags", ())]))
+    return part
+
+
+def _described(take: Take) -> str:
+    """Markup on a take, or on why its motion cannot be shown."""
+    try:
+        return describe(take)
+    except MotionloomError as problem:
+        return f"<section><h4>{take.title}</h4><p class='poor'>{escape(str(problem))}</p></section>"
 
 
 def describe(take: Take) -> str:

@@ -43,25 +43,52 @@ class Part(JSComponent):
 
 
 class Page(Part):
-    """Colours, shortcuts, help and the line in the corner."""
+    """Colours, shortcuts, help, the line in the corner, the address."""
 
     theme = param.String("dark")
     message = param.String("")
     title = param.String("motionloom")
     about = param.String("")
+    address = param.Dict({}, doc="Parts of the page's address, by name; those that are empty are left out.")
+    cookie = param.String("", doc="Cookie that holds the open project; empty: none.")
     _esm = _script("page")
     _stylesheets = _style("page")
 
 
 class TopBar(Part):
-    """Name of the scene, undo and redo, import, export, colours, help."""
+    """Name of the project, whether it is saved, undo and redo, import, export, colours, help."""
 
     scene = param.String("")
+    saved = param.String("memory")
+    saved_note = param.String("")
     undo_name = param.String("")
     redo_name = param.String("")
     theme = param.String("dark")
     _esm = _script("topbar")
     _stylesheets = _style("topbar")
+
+
+class ProjectList(Part):
+    """The projects in a dialog: open, new, delete, bring back; and why something is not saved."""
+
+    projects = param.List([], doc="Dicts: key, name, about, found [{id, text}], more.")
+    deleted = param.List([], doc="The same of those deleted.")
+    current = param.String("")
+    search = param.String("")
+    saved = param.String("memory")
+    saved_note = param.String("")
+    _esm = _script("projects")
+    _stylesheets = _style("projects")
+
+
+class Tags(Part):
+    """Words given to the selected take."""
+
+    words = param.List([])
+    known = param.List([], doc="Tags that other takes have.")
+    take = param.String("", doc="Its title; empty: there is none.")
+    _esm = _script("tags")
+    _stylesheets = _style("tags")
 
 
 class Segments(Part):
@@ -152,7 +179,9 @@ class Generate(Part):
 class TakeGallery(Part):
     """The takes as cards."""
 
-    takes = param.List([], doc="Dicts: id, title, subject, about, line, group, measures, favourite, accepted, again.")
+    takes = param.List([], doc="Dicts as `studio.views.takes.card` makes them.")
+    search = param.String("")
+    found: Any = param.List(default=None, allow_None=True, doc="Ids that fit the search; None: all.")
     selected = param.String("")
     compared = param.List([])
     shown = param.List([], doc="Ids on the stage, in its order.")

@@ -9,6 +9,7 @@ import panel as pn
 from studio.pinning import as_shown
 from studio.session import Session
 from studio.views.binding import follow, tie
+from studio.views.forms import html
 from studio.views.parts import StageBar
 
 
@@ -20,15 +21,24 @@ def stage(session: Session) -> pn.Column:
     state = session.state
     bar = _bar(session)
     place = pn.Column(bar, sizing_mode="stretch_both", margin=0)
+    nobody = html(sizing_mode="stretch_both")
     player: Any = None
+
+    def say(*_: Any) -> None:
+        coming = state.generating or not (state.engine_ready or state.generate_error)
+        words = (
+            "The first people are on their way…" if coming else "Nobody here yet.<br>Generate, or drop a motion file."
+        )
+        nobody.object = f"<p class='nobody'>{words}</p>"
 
     def restage(*_: Any) -> None:
         nonlocal player
-        takes = [take for take in map(state.take, state.shown) if take is not None]
-        place.visible = bool(takes)
-        if not takes:
+        there = [(take, session.motion(take)) for take in map(state.take, state.shown) if take is not None]
+        motions = [motion for _take, motion in there if motion is not None]
+        names = [take.title for take, motion in there if motion is not None]
+        place.visible, nobody.visible = bool(motions), not motions
+        if not motions:
             return
-        motions, names = [take.motion for take in takes], [take.title for take in takes]
         if player is None:
             player = _player(session, motions, names)
             place.append(player)
@@ -42,8 +52,10 @@ def stage(session: Session) -> pn.Column:
 
     state.param.watch(restage, "shown")
     state.param.watch(reselect, "selected")
+    state.param.watch(say, ["generating", "engine_ready", "generate_error"])
+    say()
     restage()
-    return place
+    return pn.Column(nobody, place, sizing_mode="stretch_both", margin=0)
 
 
 def _player(session: Session, motions: list, names: list[str]) -> Any:
@@ -51,8 +63,8 @@ def _player(session: Session, motions: list, names: list[str]) -> Any:
 
     state = session.state
     player = PanelPlayer(
-        motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme, playing=True,
-        sync_url=True, global_keys=True,
+        motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme, global_keys=True,
+        playing=state.frame < 0, frame=max(0, state.frame),
     )  # fmt: skip
     tie(player, state, theme="theme", tool="tool")
     follow(player, state, ["pinned", "fps", "capabilities"], lambda: {"pinned": _pins(session)})
@@ -61,8 +73,9 @@ def _player(session: Session, motions: list, names: list[str]) -> Any:
         if 0 <= event.new < len(state.shown):
             session.select(state.shown[event.new])
 
-    def moved(event: Any) -> None:
-        state.playhead = event.new / player.motions[0].fps
+    def moved(*_: Any) -> None:
+        playhead = player.frame / player.motions[0].fps
+        state.param.update(playhead=playhead, frame=-1 if player.playing else player.frame)
 
     def drawn(event: Any) -> None:
         what = event.new
@@ -72,7 +85,7 @@ def _player(session: Session, motions: list, names: list[str]) -> Any:
             session.pins.joint(what["joint"], what["place"], what["frame"] / what["fps"])
 
     player.param.watch(picked, "selected")
-    player.param.watch(moved, "frame")
+    player.param.watch(moved, ["frame", "playing"])
     player.param.watch(drawn, "drawn")
     return player
 

@@ -19,7 +19,7 @@ def gallery(session: Session) -> TakeGallery:
     part = TakeGallery(palette=list(PALETTE), sizing_mode="stretch_both", margin=0)
     tie(
         part, state, selected="selected", compared="compared", shown="shown", thumbnails="thumbnails",
-        busy="generating",
+        busy="generating", search="search", found="found",
     )  # fmt: skip
     follow(part, state, ["takes"], lambda: {"takes": [card(take) for take in state.takes]})
     acts = {
@@ -37,9 +37,9 @@ def gallery(session: Session) -> TakeGallery:
 
 def card(take: Take) -> dict[str, Any]:
     """What the gallery shows of a take."""
-    seconds = duration(take.motion.duration)
+    seconds = duration(take.duration)
     drawn = take.settings
-    line = f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.motion.frames:,} frames"
+    line = f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.frames:,} frames"
     return {
         "id": take.id,
         "title": take.title,
@@ -54,4 +54,5 @@ def card(take: Take) -> dict[str, Any]:
         "favourite": take.favourite,
         "accepted": take.accepted,
         "again": drawn is not None,
+        "tags": list(take.tags),
     }

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 import threading
 from dataclasses import replace
 
@@ -177,3 +180,15 @@ def test_a_glb_is_imported_and_a_lone_amc_is_told_what_it_lacks(tmp_path):
     assert len(motion) == 12 and motion.fps == sent.fps
     with pytest.raises(FormatError, match=r"^38_01\.amc: needs its skeleton: an \.asf beside it.* motionloom convert"):
         read_upload("38_01.amc", b":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 0 0 0 0 0\n")
+
+
+def test_files_of_a_studio_that_was_killed_are_cleared_away_and_no_others(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait(20)
+    names = [f"motionloom-{dead.pid}-abc", f"motionloom-{os.getpid()}-abc", "motionloom-notes-abc", "other-1-abc"]
+    for name in names:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "walk.mp4").write_text("half a file")
+    exchange.sweep()
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names[1:])

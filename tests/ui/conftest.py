@@ -60,24 +60,32 @@ def constrained_address(tmp_path_factory: pytest.TempPathFactory, told: Path) ->
 @contextmanager
 def serving(module: str, folder: Path, more: dict[str, str] | None = None) -> Iterator[str]:
     """A studio in a process of its own; at the end nothing may have gone wrong in it or be left of it."""
-    port = free_port()
     log = folder / "server.log"
-    command = [sys.executable, "-m", module, "studio", "--port", str(port), "--no-browser"]
-    with log.open("w") as out:
-        server = subprocess.Popen(
-            command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT,
-            env=os.environ | {"TMPDIR": str(folder)} | (more or {}),
-        )  # fmt: skip
-    url = f"http://127.0.0.1:{port}/"
+    url, server = start(module, folder, free_port(), more)
     try:
-        wait_for(lambda: server.poll() is not None or _answers(url), "the server to answer")
-        assert server.poll() is None, log.read_text()
         yield url
     finally:
         server.terminate()
         server.wait(20)
     assert "Traceback" not in log.read_text(), log.read_text()
     assert not list(folder.glob("motionloom-*")), "files of sessions are left behind"
+
+
+def start(
+    module: str, folder: Path, port: int, more: dict[str, str] | None = None
+) -> tuple[str, subprocess.Popen[bytes]]:
+    """Start a studio that keeps its library and its files in a folder. Returns its address once it answers."""
+    log = folder / "server.log"
+    command = [sys.executable, "-m", module, "studio", "--port", str(port), "--no-browser"]
+    places = {"TMPDIR": str(folder), "MOTIONLOOM_LIBRARY": str(folder / "library.db")}
+    with log.open("a") as out:
+        server = subprocess.Popen(
+            command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, env=os.environ | places | (more or {})
+        )
+    url = f"http://127.0.0.1:{port}/"
+    wait_for(lambda: server.poll() is not None or _answers(url), "the server to answer")
+    assert server.poll() is None, log.read_text()
+    return url, server
 
 
 def _answers(url: str) -> bool:
