@@ -89,7 +89,7 @@ class Text2MotionConfig(Config):
     decoder_rate: float = 0.1
     """Learning rate of the motion decoder while text2motion is learned, a share of the others'."""
 
-    batch_size: int = 64
+    batch_size: int = 32
     """Motions."""
     autoencoder_batch: int = 128
     """Windows."""

@@ -31,6 +31,7 @@ from engines.text2motion.engine import MAX_COUNT, Lengths
 from engines.text2motion.model import generate
 from engines.text2motion.networks import UNIT, LengthEstimator
 from engines.text2motion.official_weights import OfficialParts, parts_of
+from engines.text2motion.packed import PackedVAE
 from engines.text2motion.words import WordBatch
 from engines.tm2t.prompts import tidy
 
@@ -77,6 +78,7 @@ class OfficialText2Motion:
                 f"{len(mean)}"
             )
         self.vae, self.autoencoder, self.words, self.weights_hash = parts.vae, parts.autoencoder, words, weights_hash
+        self._packed = PackedVAE(parts.vae) if parts.vae.sizes.layers == 1 else None
         self.estimator: LengthEstimator | None = parts.lengths
         self.mean, self.std = torch.from_numpy(mean).float(), torch.from_numpy(std).float()
         self.codec = features.get(_DIALECTS[len(mean)])
@@ -164,9 +166,11 @@ class OfficialText2Motion:
         shape = (self.max_frames // UNIT, self.vae.sizes.latent)
         noise = np.stack([stream.standard_normal(shape, dtype=np.float32) for stream in streams])
         rows = torch.zeros(len(places), dtype=torch.long)
-        steps = self.vae.steps(self.vae.reader(*read.rows(rows)), count)
+        told, most = self.vae.reader(*read.rows(rows)), int(count.max())
+        # past their end, where the release looks up other times to arrival, motions are cut
+        steps = self.vae.steps(told, count) if self._packed is None else self._packed.steps(told, count, most)
         start = official.start(self.autoencoder, len(places))
-        codes = generate(steps, start, torch.from_numpy(noise)[:, : int(count.max())])
+        codes = generate(steps, start, torch.from_numpy(noise)[:, :most])
         return [self._motion(row[: int(n)], frames) for row, n in zip(codes, count, strict=True)]
 
     def _motion(self, codes: Tensor, frames: int | None) -> Motion:

@@ -8,11 +8,12 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from engines.features.codec import joints_of
 from engines.features.humanml3d import HUMANML3D
 from engines.geometry.canonical import floor_height
 from engines.motion import Motion
 from engines.skeletons import SMPL22
-from engines.text2motion.model import Text2Motion
+from engines.text2motion.model import LAYOUT, Text2Motion
 
 FPS = HUMANML3D.fps
 _NEAR_FLOOR = 0.1
@@ -31,10 +32,13 @@ def to_motions(
         model: whose codes they are.
         frames: how many of each motion are kept.
     """
-    features = model.denormalised(model.decode(codes, count)).cpu().numpy()
+    features = LAYOUT.check(model.denormalised(model.decode(codes, count)).cpu().numpy())
+    turns, path, _ = HUMANML3D.decode_arrays(features, source="rotations")
+    joints = joints_of(turns, path, SMPL22)
     made = []
-    for row, kept in zip(features, frames, strict=True):
-        motion = HUMANML3D.decode(row[:kept], source="rotations")
-        near = abs(floor_height(motion.positions, SMPL22)) < _NEAR_FLOOR
-        made.append(motion.on_ground() if near else motion)
+    for row, kept in enumerate(frames):
+        floor = floor_height(joints[row, :kept], SMPL22)
+        if abs(floor) < _NEAR_FLOOR:
+            path[row, :, 1] -= floor
+        made.append(Motion(SMPL22, turns[row, :kept], path[row, :kept], FPS))
     return made

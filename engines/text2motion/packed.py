@@ -23,7 +23,7 @@ class PackedVAE:
     """Gives steps that say what `TemporalVAE.steps` says of generation, up to rounding.
 
     Args:
-        net: frozen, of one layer, not the release's.
+        net: frozen, of one layer.
     """
 
     def __init__(self, net: TemporalVAE) -> None:
@@ -31,8 +31,8 @@ class PackedVAE:
         code, seen = net.sizes.code, net.sizes.attention
         with torch.no_grad():
             prior, generator = (_input(part) for part in (net.prior, net.generator))
-            self.bias = torch.cat([prior.bias, generator.bias])
-            self.of_code = torch.cat([prior.weight[:, :code], generator.weight[:, :code]])
+            of_code = torch.cat([prior.weight[:, :code], generator.weight[:, :code]])
+            self.of_code = of_code, torch.cat([prior.bias, generator.bias])
             self.of_seen = torch.cat([prior.weight[:, code:], generator.weight[:, code : code + seen]])
             self.of_latent = generator.weight[:, code + seen :].contiguous()
             told = (net.prior.mean, net.prior.logvar)
@@ -86,7 +86,7 @@ class PackedSteps:
     def step(self, last: Float[Tensor, "B C"], noise: Float[Tensor, "B Z"]) -> tuple[Tensor, Gaussian]:
         """As `model.Steps.step`."""
         packed, net = self.packed, self.packed.net
-        given = nnf.linear(last, packed.of_code, packed.bias)
+        given = nnf.linear(last, *packed.of_code)
         if self.keys is not None and self.bias is not None and self.mixed is not None:
             weights = torch.softmax(self.generator[:, None] @ self.keys + self.bias, -1)
             given = given + (weights @ self.mixed)[:, 0]
@@ -104,6 +104,7 @@ class PackedSteps:
 
 
 def _follow(part: Recurrent, given: Tensor, arrival: Tensor | None, memory: Tensor) -> Tensor:
+    """The memory (B, H) after one more input, which has been through the first linear layer."""
     x = part.embed[2](part.embed[1](given))
     return part.cells[0](x if arrival is None else x + arrival, memory)
 

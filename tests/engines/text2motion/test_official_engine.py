@@ -200,3 +200,12 @@ def test_damaged_folders_are_refused(folder: Path, tmp_path: Path) -> None:
         vae_of({"seq_pri.emb.0.weight": torch.zeros(2, 2)})
     with pytest.raises(CheckpointError, match="not the weights"):
         lengths_of({"pos_emb.weight": torch.zeros(2, 2)})
+
+
+def test_packed_steps_make_what_the_release_makes(folder: Path) -> None:
+    engine = engines.load("text2motion", checkpoint=folder)
+    quick = engine.generate_many(prompt="a person walks", count=3, seed=1)
+    assert len({len(motion) for motion in quick}) > 1
+    engine._packed = None
+    for motion, same in zip(quick, engine.generate_many(prompt="a person walks", count=3, seed=1), strict=True):
+        np.testing.assert_allclose(motion.positions, same.positions, atol=1e-4)
