@@ -1,4 +1,4 @@
-"""The command line: `motionloom studio | generate | render | convert | info | data | train | evaluate`.
+"""The command line: `motionloom studio | generate | render | convert | info | library | data | train | evaluate`.
 
 Each command is a small module in `studio/commands/`; torch and Panel are imported when a command needs them, so that
 `motionloom --help` answers at once. Exit codes: 0 done, 1 a mistake that can be mended (one line says which),
@@ -15,7 +15,7 @@ import typer
 
 from engines import __version__
 from engines.errors import Cancelled, MotionloomError
-from studio.commands import convert, data, evaluate, generate, info, render, studio, train
+from studio.commands import convert, data, evaluate, generate, info, library, render, studio, train
 
 app = typer.Typer(
     name="motionloom",
@@ -33,6 +33,7 @@ app.command("generate")(generate.generate)
 app.command("render")(render.render)
 app.command("convert")(convert.convert)
 app.command("info")(info.info)
+app.add_typer(library.app, name="library")
 app.add_typer(data.app, name="data")
 app.add_typer(train.app, name="train")
 app.command("evaluate")(evaluate.evaluate)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -182,10 +183,25 @@ def set_up(engine: Engine) -> None:
 def _copy_aside(engine: Engine, version: int) -> None:
     """Keep the file as it was, before it is brought forward."""
     path = Path(str(engine.url.database))
-    copy = path.with_name(f"{path.stem}.version-{version}{path.suffix}")
-    if not copy.exists():
-        with _in_words(engine), closing(sqlite3.connect(path, timeout=PATIENCE)) as connection:
-            connection.execute("VACUUM INTO ?", (str(copy),))
+    aside = path.with_name(f"{path.stem}.version-{version}{path.suffix}")
+    if not aside.exists():
+        copy(engine, aside)
+
+
+def copy(engine: Engine, target: Path) -> Path:
+    """Copy a SQLite library into a new file, as it is at one moment, while others may write. Returns the file.
+
+    Raises:
+        LibraryError: it is in another kind of database, or the copy cannot be written.
+    """
+    if engine.dialect.name != "sqlite":
+        raise LibraryError(_said(engine.url, "copy it with the database's own program, as pg_dump"))
+    with tempfile.TemporaryDirectory(prefix=".copy-", dir=target.parent) as folder:
+        beside = Path(folder) / target.name
+        with _in_words(engine), closing(sqlite3.connect(str(engine.url.database), timeout=PATIENCE)) as connection:
+            connection.execute("VACUUM INTO ?", (str(beside),))
+        beside.replace(target)
+    return target
 
 
 def explain(url: URL, problem: Exception) -> str:
