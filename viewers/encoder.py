@@ -38,6 +38,10 @@ _ARGUMENTS = {
     ],
 }  # fmt: skip
 FORMATS = tuple(_ARGUMENTS)
+SEE_THROUGH = (".webm", ".gif")
+"""Kinds of video that can be transparent; in GIFs a pixel is so wholly or not at all."""
+_ALPHA = {".webm": {"yuv420p": "yuva420p"}}
+"""What differs in the arguments where pictures are transparent."""
 
 
 def format_of(path: Path) -> str:
@@ -59,8 +63,11 @@ class Encoder:
         FormatError: the folder is missing or not writable, or ffmpeg does not start.
     """
 
-    def __init__(self, path: Path, size: tuple[int, int], channels: int, fps: float) -> None:
-        """Start ffmpeg for pictures of `size` (width, height), 3 or 4 channels."""
+    def __init__(self, path: Path, size: tuple[int, int], channels: int, fps: float, transparent: bool = False) -> None:
+        """Start ffmpeg for pictures of `size` (width, height), 3 or 4 channels.
+
+        The fourth channel counts if they are `transparent`, which only SEE_THROUGH videos can be.
+        """
         self.path, self._failed = path, threading.Event()
         try:
             handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
@@ -69,9 +76,11 @@ class Encoder:
         os.close(handle)
         self._part = Path(part)
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 -- closed by finish or abort
-        given = ["-f", "rawvideo", "-pix_fmt", "rgba" if channels == 4 else "rgb24", "-s", f"{size[0]}x{size[1]}"]
+        given = ["-f", "rawvideo", "-pix_fmt", _layout(channels, transparent), "-s", f"{size[0]}x{size[1]}"]
         command = [_ffmpeg(), "-hide_banner", "-loglevel", "error", "-y", *given, "-r", f"{fps:.6g}", "-i", "pipe:0"]
-        command += [*_ARGUMENTS[format_of(path)], str(self._part)]
+        kind = format_of(path)
+        other = _ALPHA.get(kind, {}) if transparent else {}
+        command += [*(other.get(word, word) for word in _ARGUMENTS[kind]), str(self._part)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors)
         self._widen_pipe()
         self._waiting: queue.Queue[np.ndarray | None] = queue.Queue(AHEAD)
@@ -144,6 +153,11 @@ class Encoder:
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip().splitlines()
         return f"the encoder stopped: {said[-1] if said else 'it gave no reason'}"
+
+
+def _layout(channels: int, transparent: bool) -> str:
+    """ffmpeg's name for the pixels that go in."""
+    return ("rgba" if transparent else "rgb0") if channels == 4 else "rgb24"
 
 
 def _ffmpeg() -> str:

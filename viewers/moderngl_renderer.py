@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import moderngl
 import numpy as np
 
 from engines.errors import MotionloomError, OutOfRangeError
 from engines.motion import Motion
+from viewers.camera import CameraTrack
 from viewers.gl import stage as staging
 from viewers.gl.context import GraphicsContext, context, put
 from viewers.gl.stage import Figure, Stage
@@ -31,19 +33,25 @@ class Renderer:
     All renderers of one thread share one OpenGL context and the bodies uploaded in it, so making one is cheap.
     Close it, or use it in a `with` block, to give its pictures' memory back.
 
+    Args:
+        width: of its pictures, pixels.
+        height: likewise.
+        samples: a pixel.
+        graphics: a context of one's own (a window's), in place of this thread's.
+
     Raises:
         OutOfRangeError: a size or number of samples that cannot be.
         NoGraphicsError: no OpenGL here; the message says what to install.
     """
 
-    def __init__(self, width: int, height: int, samples: int = 4) -> None:
+    def __init__(self, width: int, height: int, samples: int = 4, graphics: GraphicsContext | None = None) -> None:
         for name, value in (("width", width), ("height", height)):
             if not 1 <= value <= LARGEST:
                 raise OutOfRangeError(name, value, f"1 to {LARGEST} pixels")
         if samples not in (1, 2, 4, 8):
             raise OutOfRangeError("samples", samples, "1, 2, 4 or 8 a pixel")
         self.width, self.height = int(width), int(height)
-        self.graphics: GraphicsContext = context()
+        self.graphics: GraphicsContext = graphics or context()
         self.samples = min(samples, self.graphics.gl.max_samples) if samples > 1 else 1
         self.targets = Targets(self.graphics, self.width, self.height, self.samples)
 
@@ -61,42 +69,54 @@ class Renderer:
     # ---- pictures ---------------------------------------------------------------------------------------------
 
     def frame(self, scene: Scene, t: float = 0.0) -> np.ndarray:
-        """(H, W, 3) uint8 sRGB picture of the scene at `t` seconds."""
+        """(H, W, 3) uint8 sRGB picture of the scene at `t` seconds; (H, W, 4) with alpha if it is transparent."""
         with self.staged(scene, np.array([float(t)])) as stage:
             self.draw(stage, 0)
+            if scene.transparent:
+                return straight(self.targets.read_into(self._empty()))
             return self.targets.read_rgb()
 
     def frames(self, scene: Scene, fps: float = 30.0) -> Iterator[np.ndarray]:
-        """(H, W, 3) uint8 pictures of the whole scene at `fps`; poses between the motion's own frames are slerped."""
+        """(H, W, 3) uint8 pictures of the whole scene at `fps`; poses between the motion's own frames are slerped.
+
+        A transparent scene gives (H, W, 4), colours not multiplied by alpha.
+        """
         for picture in self.pictures(scene, scene.times(fps)):
-            yield np.ascontiguousarray(picture[..., :3])
+            yield picture.copy() if scene.transparent else np.ascontiguousarray(picture[..., :3])
 
     def pictures(self, scene: Scene, times: np.ndarray) -> Iterator[np.ndarray]:
         """(H, W, 4) uint8 pictures at `times` (N,) seconds, each valid until RING - 1 more were asked for.
 
-        A picture is read back while the next is being drawn.
+        A picture is read back while the next is being drawn. Alpha is 255 unless the scene is transparent.
         """
-        ring = [np.empty((self.height, self.width, 4), np.uint8) for _ in range(min(RING, len(times)))]
+        finished = straight if scene.transparent else np.asarray
+        ring = [self._empty() for _ in range(min(RING, len(times)))]
         with self.staged(scene, times) as stage:
             for moment in range(len(times)):
                 self.targets.next_picture()
                 self.draw(stage, moment)
                 if moment:
-                    yield self.targets.read_into(ring[(moment - 1) % len(ring)], previous=True)
+                    yield finished(self.targets.read_into(ring[(moment - 1) % len(ring)], previous=True))
             self._take_up()
-            yield self.targets.read_into(ring[(len(times) - 1) % len(ring)])
+            yield finished(self.targets.read_into(ring[(len(times) - 1) % len(ring)]))
 
     def thumbnail(self, motion: Motion, **options) -> np.ndarray:
         """(H, W, 3) uint8 still of the motion's most telling frame; options as `scene.thumbnail`."""
         return self.frame(thumbnail(motion, **options))
 
-    def staged(self, scene: Scene, times: np.ndarray) -> _Staged:
-        """The scene made ready for `times` (N,) seconds: `with ... as stage: renderer.draw(stage, i)`."""
+    def staged(self, scene: Scene, times: np.ndarray, track: CameraTrack | None = None) -> _Staged:
+        """The scene made ready for `times` (N,) seconds: `with ... as stage: renderer.draw(stage, i)`.
+
+        Args:
+            scene: the scene.
+            times: (N,) seconds.
+            track: the camera at these times, in place of the scene's own.
+        """
         self._check_thread()
         if not self.graphics.alive():
             self.graphics = context()
             self.targets = Targets(self.graphics, self.width, self.height, self.samples)
-        return _Staged(self.graphics, staging.build(self.graphics, scene, times, (self.width, self.height)))
+        return _Staged(self.graphics, staging.build(self.graphics, scene, times, (self.width, self.height), track))
 
     # ---- one picture, pass by pass ----------------------------------------------------------------------------
 
@@ -111,12 +131,12 @@ class Renderer:
         gl.disable(gl.DEPTH_TEST | gl.BLEND | gl.CULL_FACE)
         self._backdrop(stage, moment, matrix)
         gl.enable(gl.BLEND)
-        gl.blend_func = gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA
+        gl.blend_func = _over(gl)
         if stage.scene.floor:
             self._floor_marks(stage, moment, matrix)
         gl.blend_func = gl.ONE, gl.ONE_MINUS_SRC_ALPHA
         self.targets.compose_layer(stage.strips[moment])
-        gl.blend_func = gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA
+        gl.blend_func = _over(gl)
         self._labels(stage, moment, matrix)
 
     def _figures(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
@@ -188,6 +208,9 @@ class Renderer:
 
     def _backdrop(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
         """Sky and floor; a still camera sees the same ones all the time, so they are kept."""
+        if stage.scene.transparent:
+            self.targets.empty_backdrop()
+            return
         eye, target = stage.track.eye[moment], stage.track.target[moment]
         colours = stage.scene.colours
         grain = {"GRAIN": 1} if len(stage.times) == 1 else {}
@@ -230,7 +253,7 @@ class Renderer:
             lines=hex_to_rgb(stage.scene.colours.grid),
         )
         gl.enable(gl.BLEND)
-        gl.blend_func = gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA
+        gl.blend_func = _over(gl)
         self.targets.strips(program, 2 * (2 * count + 1) * pieces)
         gl.disable(gl.BLEND)
 
@@ -259,6 +282,9 @@ class Renderer:
         for label in stage.labels:
             label.draw(moment, matrix)
 
+    def _empty(self) -> np.ndarray:
+        return np.empty((self.height, self.width, 4), np.uint8)
+
     def _check_thread(self) -> None:
         if threading.get_ident() != self.graphics.thread:
             raise MotionloomError(
@@ -273,6 +299,20 @@ class Renderer:
                 "another library (PyVista?) shut OpenGL down while a scene was being drawn; draw it again, and close "
                 "that library's windows before or after."
             )
+
+
+def _over(gl: moderngl.Context) -> Any:  # four numbers; moderngl's annotation knows two
+    """Blending of something see-through over a picture, whose alpha grows by it."""
+    return gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA
+
+
+def straight(picture: np.ndarray) -> np.ndarray:
+    """Divide the colours of a picture (H, W, 4) uint8 by its alpha, in place, as PNG and WebM hold them."""
+    pixels = picture.reshape(-1, 4)
+    edges = np.flatnonzero((pixels[:, 3] > 0) & (pixels[:, 3] < 255))
+    few = pixels[edges].astype(np.uint16)
+    pixels[edges, :3] = np.minimum((few[:, :3] * 255 + few[:, 3:] // 2) // few[:, 3:], 255)
+    return picture
 
 
 class _Staged:

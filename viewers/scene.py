@@ -130,6 +130,8 @@ class Scene:
     light: Light = field(default_factory=Light)
     floor: bool = True
     """Grid and shadows at height 0."""
+    transparent: bool = False
+    """Nothing behind bodies, shadows, marks and text: pictures can be laid over others."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "actors", tuple(self.actors))

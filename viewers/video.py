@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from PIL import Image
@@ -15,7 +16,7 @@ from PIL import Image
 from engines.errors import Cancelled, FormatError, OutOfRangeError, UnknownLabelError
 from engines.motion import Motion
 from viewers.camera import Camera, Mode
-from viewers.encoder import Encoder, format_of
+from viewers.encoder import SEE_THROUGH, Encoder, format_of
 from viewers.scene import Scene
 
 Progress = Callable[[int, int | None], object]
@@ -25,6 +26,11 @@ Cancel = Callable[[], bool]
 
 SIZES = {".mp4": (1280, 720, 30.0), ".webm": (1280, 720, 30.0), ".gif": (480, 270, 20.0)}
 """Width, height and frames a second, where none are asked for."""
+
+
+NO_ALPHA = "MP4 videos cannot be transparent; accepted: .webm, .gif or a folder of pictures."
+Views = Literal["one", "four"]
+VIEWS: tuple[Views, ...] = ("one", "four")
 
 
 @dataclass(frozen=True)
@@ -41,9 +47,20 @@ class VideoSettings:
     """A camera, or the name of its mode; default: the scene's own, and "follow" for a motion."""
     samples: int = 4
     """Samples a pixel."""
+    views: Views = "one"
+    """one: through the camera; four: from the front, the side, above and along with the body, in one picture."""
+    transparent: bool = False
+    """Nothing behind the bodies: WebM, GIF and numbered pictures can, MP4 cannot. A transparent Scene is so anyhow."""
 
     def filled(self, suffix: str) -> VideoSettings:
-        """Nothing left open, sizes even, for a file that ends in `suffix`."""
+        """Nothing left open, sizes even, for a file that ends in `suffix`.
+
+        Raises:
+            OutOfRangeError: a size that cannot be.
+            UnknownLabelError: no such views.
+        """
+        if self.views not in VIEWS:
+            raise UnknownLabelError("views", self.views, VIEWS)
         width, height, fps = SIZES[suffix]
         asked_width, asked_height = self.width, self.height
         if asked_width and not asked_height:
@@ -72,13 +89,13 @@ def render(
         path: ends in .mp4, .webm or .gif.
         progress: called with (frames done, frames in all).
         cancel: asked before every frame; True stops and leaves no file.
-        settings: fields of VideoSettings: width, height, fps, camera, samples.
+        settings: fields of VideoSettings: width, height, fps, camera, samples, views, transparent.
 
     Returns:
         The path written.
 
     Raises:
-        FormatError: the ending is none of these, or the encoder fails.
+        FormatError: the ending is none of these, it cannot be transparent and should be, or the encoder fails.
         OutOfRangeError: sizes or fps that cannot be.
         UnknownLabelError: a setting or camera of no known name.
         Cancelled: `cancel` said so.
@@ -86,8 +103,11 @@ def render(
     """
     path = Path(path)
     chosen = _settings(settings).filled(format_of(path))
-    with _pictures(what, chosen) as (frames, count):
-        return _encode(frames, path, chosen.fps or 0.0, _Watch(count, progress, cancel))
+    scene = _scene(what, chosen)
+    if scene.transparent and format_of(path) not in SEE_THROUGH:
+        raise FormatError(path, NO_ALPHA)
+    with _pictures(scene, chosen) as (frames, count):
+        return _encode(frames, path, chosen.fps or 0.0, _Watch(count, progress, cancel), scene.transparent)
 
 
 def render_pngs(
@@ -124,11 +144,15 @@ def render_pngs(
     except OSError as problem:
         raise FormatError(folder, f"cannot be made: {problem.strerror}; choose a folder that can.") from problem
     try:
-        with _pictures(what, _settings(settings).filled(".mp4")) as (frames, count):
+        chosen = _settings(settings).filled(".mp4")
+        scene = _scene(what, chosen)
+        with _pictures(scene, chosen) as (frames, count):
             watch = _Watch(count, progress, cancel)
             for number in range(1, count + 1):
                 watch.before()
-                Image.fromarray(next(frames)[..., :3]).save(part / f"frame-{number:05d}.png", compress_level=4)
+                Image.fromarray(next(frames)[..., : 4 if scene.transparent else 3]).save(
+                    part / f"frame-{number:05d}.png", compress_level=4
+                )
                 watch.after(number)
         part.chmod(0o755)
         part.replace(folder)
@@ -139,29 +163,35 @@ def render_pngs(
     return folder
 
 
-@contextmanager
-def _pictures(
-    what: Motion | Scene | Sequence[Motion], chosen: VideoSettings
-) -> Iterator[tuple[Iterator[np.ndarray], int]]:
-    """The pictures of a video, (H, W, 4) uint8, and how many there are."""
-    from viewers.moderngl_renderer import Renderer
-
+def _scene(what: Motion | Scene | Sequence[Motion], chosen: VideoSettings) -> Scene:
+    """The scene that is rendered."""
     scene = what if isinstance(what, Scene) else Scene.of(what)
     if chosen.camera is not None:
         camera = chosen.camera if isinstance(chosen.camera, Camera) else Camera(chosen.camera)
         scene = scene.replaced(camera=camera)
+    return scene.replaced(transparent=True) if chosen.transparent else scene
+
+
+@contextmanager
+def _pictures(scene: Scene, chosen: VideoSettings) -> Iterator[tuple[Iterator[np.ndarray], int]]:
+    """The pictures of a video, (H, W, 4) uint8, and how many there are."""
     assert chosen.width and chosen.height and chosen.fps is not None
     times = scene.times(chosen.fps)
-    with Renderer(chosen.width, chosen.height, chosen.samples) as renderer:
+    if chosen.views == "four":
+        from viewers.four_views import FourViews as Draws
+    else:
+        from viewers.moderngl_renderer import Renderer as Draws
+    with Draws(chosen.width, chosen.height, chosen.samples) as renderer:
         yield renderer.pictures(scene, times), len(times)
 
 
-def write_video(
+def write_video(  # noqa: PLR0913, PLR0917 (each is a thing of its own)
     frames: Iterable[np.ndarray],
     path: str | Path,
     fps: float,
     progress: Progress | None = None,
     cancel: Cancel | None = None,
+    transparent: bool = False,
 ) -> Path:
     """Write pictures into a video file; it appears only when it is whole.
 
@@ -171,17 +201,19 @@ def write_video(
         fps: frames a second.
         progress: called with (frames done, frames in all, or None if `frames` has no length).
         cancel: asked before every frame; True stops and leaves no file.
+        transparent: the fourth channel is alpha, and the video has it too (.webm, .gif); else it is left out.
 
     Returns:
         The path written.
 
     Raises:
-        FormatError: the ending is none of these, or the encoder fails.
+        FormatError: the ending is none of these, it cannot be transparent and should be, or the encoder fails.
         OutOfRangeError: no frames, frames of several sizes, or fps not positive.
         Cancelled: `cancel` said so.
     """
     total = len(frames) if isinstance(frames, Sequence) else None
-    return _encode((_checked(frame) for frame in frames), Path(path), fps, _Watch(total, progress, cancel))
+    path = Path(path)
+    return _encode((_checked(frame) for frame in frames), path, fps, _Watch(total, progress, cancel), transparent)
 
 
 @dataclass
@@ -201,11 +233,12 @@ class _Watch:
             self.progress(done, self.total)
 
 
-def _encode(frames: Iterator[np.ndarray], path: Path, fps: float, watch: _Watch) -> Path:
+def _encode(frames: Iterator[np.ndarray], path: Path, fps: float, watch: _Watch, transparent: bool = False) -> Path:
     """Feed frames (H, W, 3 or 4) to an encoder, which works beside us; on any failure nothing is left."""
     if not np.isfinite(fps) or fps <= 0:
         raise OutOfRangeError("fps", fps, "a positive number")
-    format_of(path)
+    if format_of(path) not in SEE_THROUGH and transparent:
+        raise FormatError(path, NO_ALPHA)
     encoder: Encoder | None = None
     shape: tuple[int, ...] = ()
     done = 0
@@ -214,7 +247,7 @@ def _encode(frames: Iterator[np.ndarray], path: Path, fps: float, watch: _Watch)
         for frame in frames:
             if encoder is None:
                 shape = frame.shape
-                encoder = Encoder(path, (shape[1], shape[0]), shape[2], fps)
+                encoder = Encoder(path, (shape[1], shape[0]), shape[2], fps, transparent)
             if frame.shape != shape:
                 raise OutOfRangeError("size of a frame", frame.shape, f"that of the first, {shape}")
             encoder.put(frame)

@@ -252,13 +252,13 @@ KEYS: dict[str, tuple[str, str]] = {
 """Key -> (what it is for, in words for a person)."""
 
 
-def keys_in_words() -> list[str]:
-    """A line for each key, for a help text; keys that do the same stand together."""
+def keys_in_words() -> list[tuple[str, str]]:
+    """(keys, what they are for) for a help text; keys that do the same stand together."""
     named = {" ": "Space", "arrowleft": "Left", "arrowright": "Right", "home": "Home", "end": "End", "escape": "Esc"}
     lines: dict[str, tuple[list[str], str]] = {}
     for key, (name, words) in KEYS.items():
         lines.setdefault(name, ([], words))[0].append(named.get(key, key.upper()))
-    return [f"{'  '.join(keys):<10} {words}" for keys, words in lines.values()]
+    return [("  ".join(keys), words) for keys, words in lines.values()]
 
 
 def _after(values, now):

@@ -16,8 +16,8 @@ from PIL import Image
 from engines.errors import FormatError, MissingDependencyError, OutOfRangeError, UnknownLabelError
 from tests.viewers import poses
 from viewers.camera import Camera
+from viewers.display import NoDisplayError
 from viewers.moderngl_renderer import Renderer
-from viewers.pv import plotter
 from viewers.pyvista_viewer import Inspector
 from viewers.scene import Actor, Scene
 
@@ -193,7 +193,7 @@ def test_without_a_screen_a_window_says_what_to_use_instead(monkeypatch: pytest.
     monkeypatch.setattr(sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    with look(poses.stand()) as one, pytest.raises(plotter.NoDisplayError, match=r"motionloom render.*save_html"):
+    with look(poses.stand()) as one, pytest.raises(NoDisplayError, match=r"motionloom render.*save_html"):
         one.window()
 
 

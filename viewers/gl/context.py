@@ -50,8 +50,9 @@ class NoGraphicsError(MotionloomError):
 class GraphicsContext:
     """A context and what is compiled and uploaded in it. Belongs to one thread at a time."""
 
-    def __init__(self) -> None:
-        self.gl: moderngl.Context = open_context()
+    def __init__(self, opened: moderngl.Context | None = None) -> None:
+        """Take over a context that is current, or open one without a window."""
+        self.gl: moderngl.Context = opened or open_context()
         self.thread = threading.get_ident()
         self._programs: dict[tuple[str, str, tuple[tuple[str, int], ...]], moderngl.Program] = {}
         self.cache: dict[object, Any] = {}

@@ -103,3 +103,18 @@ def text_image(text: str, height: int) -> np.ndarray:
     image = Image.new("L", (int(right - left) + 4, int(bottom - top) + 4))
     ImageDraw.Draw(image).text((2 - left, 2 - top), text, fill=255, font=font)
     return np.asarray(image)
+
+
+@lru_cache(maxsize=16)
+def text_block(lines: tuple[tuple[str, str], ...], height: int) -> np.ndarray:
+    """(H, W) uint8 coverage of lines in two columns, letters about `height` pixels tall."""
+    font = ImageFont.load_default(size=height)
+    step, gap = round(1.5 * height), height
+    first = max((font.getlength(left) for left, right in lines if right), default=0.0)
+    width = max(font.getlength(left) if not right else first + gap + font.getlength(right) for left, right in lines)
+    image = Image.new("L", (int(width) + 4, step * len(lines)))
+    draw = ImageDraw.Draw(image)
+    for number, (left, right) in enumerate(lines):
+        draw.text((1, number * step), left, fill=255, font=font)
+        draw.text((1 + first + gap, number * step), right, fill=255, font=font)
+    return np.ascontiguousarray(image)

@@ -80,10 +80,15 @@ class _Seen:
     """(P,) metres its skin may reach beyond them."""
 
 
-def build(graphics: GraphicsContext, scene: Scene, times: np.ndarray, size: tuple[int, int]) -> Stage:
-    """The stage of a scene at `times` (N,) seconds, for pictures of `size` (width, height)."""
+def build(
+    graphics: GraphicsContext, scene: Scene, times: np.ndarray, size: tuple[int, int], track: CameraTrack | None = None
+) -> Stage:
+    """The stage of a scene at `times` (N,) seconds, for pictures of `size` (width, height).
+
+    The camera is the scene's own, or `track`.
+    """
     aspect = size[0] / size[1]
-    track = scene.track(times, aspect)
+    track = track or scene.track(times, aspect)
     flip = np.diag([1.0, -1.0, 1.0, 1.0])  # OpenGL's first row becomes the top of the picture
     matrices = (flip @ track.projection(aspect) @ track.views()).astype(np.float32)
     seen = [one for actor in scene.actors for one in _figures(graphics, actor, times)]

@@ -56,6 +56,16 @@ class Targets:
         """Run a program on quads that know only their number."""
         self._array(program).render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
 
+    def quad(self, program: moderngl.Program) -> None:
+        """Run a program on one quad that knows only its corners' numbers."""
+        self._array(program).render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def show_picture(self) -> None:
+        """Draw the picture, upright, over the whole current target."""
+        program = self.graphics.program("screen", "upright")
+        self._image(self.picture).use(0)
+        self.screen(program)
+
     def draw_patch(self, program: moderngl.Program) -> None:
         """Draw a quad of floor that shows a tile of the atlas."""
         self._image(self._atlas[0]).use(0)
@@ -116,6 +126,13 @@ class Targets:
         self.picture.use()
         self.graphics.gl.viewport = (0, 0, self.width, self.height)
         return self._kept
+
+    def empty_backdrop(self) -> None:
+        """Make the picture the target, with nothing in it."""
+        self._backdrop_key, self._keep, self._kept = None, False, False
+        self.picture.use()
+        self.graphics.gl.viewport = (0, 0, self.width, self.height)
+        self.picture.clear(0.0, 0.0, 0.0, 0.0)
 
     def backdrop_drawn(self) -> None:
         """Called when the backdrop alone is in the picture: keep it if it was asked for before."""

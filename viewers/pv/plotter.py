@@ -6,7 +6,8 @@ import os
 import sys
 from typing import Any
 
-from engines.errors import MissingDependencyError, MotionloomError
+from engines.errors import MissingDependencyError
+from viewers.display import NoDisplayError, has_display
 
 Plotter = Any
 """A `pyvista.Plotter`; its own annotations do not pass a type checker."""
@@ -16,24 +17,6 @@ LARGEST = 8192
 
 
 _WITHOUT_SCREEN = ("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-
-
-class NoDisplayError(MotionloomError):
-    """A window was asked for where there is no screen."""
-
-    def __init__(self, what: str = "a window") -> None:
-        super().__init__(
-            f"{what} needs a screen, and there is none here (neither $DISPLAY nor $WAYLAND_DISPLAY is set). Without "
-            "one: `motionloom render` makes videos and pictures, Inspector.notebook() shows motions in Jupyter, and "
-            "Inspector.save_html() writes a page that any browser plays."
-        )
-
-
-def has_display() -> bool:
-    """Is there a screen to open a window on?"""
-    if not sys.platform.startswith("linux"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def pyvista_module():

@@ -120,7 +120,7 @@ class Window:
         now = f"frame {playback.frame + 1} of {playback.frames}   {playback.seconds:.2f} s{speed}"
         plotter = self.plotter
         plotter.add_text(now, position="upper_left", font_size=9, color=ink, name="now", render=False)
-        lines = keys_in_words() if self._helping else [HINT]
+        lines = [f"{keys:<10} {words}" for keys, words in keys_in_words()] if self._helping else [HINT]
         words = "\n".join(line.ljust(max(map(len, lines))) for line in lines)  # the corner sets lines flush right
         plotter.add_text(
             words, position="upper_right", font_size=8, color=ink, name="hint", font="courier", render=False
