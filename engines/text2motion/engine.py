@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from engines import text
+from engines.actions import Action
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.motion import Motion, Provenance, Segment
 from engines.text import TextEncoder
@@ -84,6 +85,8 @@ class Text2MotionEngine:
     description = "Sentences become motions as long as they call for (temporal VAE, Guo et al. 2022)."
     licence = "CC BY-NC 4.0 (trained on Bandai-Namco clips)"
     fps = output.FPS
+    actions: tuple[Action, ...] = ()
+    """It takes sentences only."""
 
     def __init__(
         self, model: Text2Motion, weights_hash: str, encoder: TextEncoder | None = None, variant: str = USUAL

@@ -59,6 +59,7 @@ class OfficialText2Motion:
     licence = "that of the checkpoint; the authors release theirs for research"
     variant = "official"
     variants = ("official",)
+    actions = ()
     max_frames = official.LONGEST
 
     def __init__(

@@ -78,6 +78,13 @@ def test_without_text2length_lengths_must_be_said() -> None:
             ask()
 
 
+def test_it_says_what_the_studio_asks(made: Text2MotionEngine) -> None:
+    assert (made.name, made.variant, made.actions, made.max_frames) == ("text2motion", "small", (), 40)
+    assert made.variant in made.variants
+    assert made.capabilities == {"text", "lengths", "word_attention", "scale_bones", "variants"}
+    assert "CC BY-NC" in made.licence
+
+
 def test_an_action_is_a_sentence_too(made: Text2MotionEngine) -> None:
     assert made.generate_many("does throw", count=1)[0].provenance.prompt == "does throw"
 
