@@ -6,6 +6,7 @@ import os
 import shutil
 import tempfile
 import uuid
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,7 +89,7 @@ class Exchange:
         take = state.take(take_id)
         if take is None or state.export_status in ("queued", "running"):
             return
-        how = state.export_settings()
+        how = replace(state.export_settings(), edits=take.edits)
         subject = take.subject if take.settings else Path(take.subject).stem
         name = f"{self._prefix()}{take.id}-{tasks.slug(subject)}{ending(state.export_format)}"
         self.folder = self.folder or Path(tempfile.mkdtemp(prefix=_mark()))
@@ -114,7 +115,7 @@ class Exchange:
         take = state.take(take_id)
         if take is None or take.settings is None:
             return "", ""
-        return f"{take.id}.json", Settings(take.settings, state.export_settings()).to_json()
+        return f"{take.id}.json", Settings(take.settings, replace(state.export_settings(), edits=take.edits)).to_json()
 
     def close(self) -> None:
         """Remove the exported files."""

@@ -15,8 +15,8 @@ from copy import copy
 from typing import Any
 
 import engines
-from engines.errors import MotionloomError
 from studio import draws, tasks, thumbnails
+from studio.editing import Editing
 from studio.exchange import Exchange
 from studio.jobs import Job, JobQueue, Work, shared_queue
 from studio.library import Library, Query
@@ -61,6 +61,7 @@ class Session:
         self.takes = TakeList(on_change=self._takes_changed)
         self.files = Exchange(self)
         self.pins = Pinning(self)
+        self.editing = Editing(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
         self._draws = 0
@@ -201,14 +202,6 @@ class Session:
 
     # ---- takes --------------------------------------------------------------------------------------------
 
-    def motion(self, take: Take) -> engines.Motion | None:
-        """The motion of a take; None, and a word on why, where the library does not give it."""
-        try:
-            return take.motion
-        except MotionloomError as problem:
-            self.state.message = f"{take.title} cannot be shown: {problem}"
-            return None
-
     def select(self, take_id: str) -> None:
         """Pick a take."""
         if take_id in self.takes:
@@ -226,10 +219,15 @@ class Session:
 
     def compare(self, take_id: str) -> None:
         """Tick or untick a take for comparison; the stage follows."""
-        ticked = [i for i in self.state.compared if i in self.takes]
-        ticked = [i for i in ticked if i != take_id] if take_id in ticked else [*ticked, take_id]
-        mode = "compare" if ticked else "all"
-        self.state.param.update(compared=ticked, stage_mode=mode)
+        ticked = [i for i in self.state.compared if i != take_id]
+        self.compare_these(ticked if take_id in self.state.compared else [*ticked, take_id])
+
+    def compare_these(self, take_ids: list[str]) -> None:
+        """Tick these takes for comparison and no others; the stage follows."""
+        ticked = [i for i in dict.fromkeys(take_ids) if i in self.takes]
+        if len(ticked) > STAGE_LIMIT:
+            self.state.message = f"At most {STAGE_LIMIT} takes are compared at once."
+        self.state.param.update(compared=ticked[:STAGE_LIMIT], stage_mode="compare" if ticked else "all")
 
     def delete(self, take_id: str) -> None:
         """Delete a take; undo brings it back."""

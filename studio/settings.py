@@ -36,6 +36,8 @@ VIDEO_FORMATS = ("mp4", "gif", "webm")
 FORMATS = (*VIDEO_FORMATS, "png", "bvh", "glb", "csv", "npz", "amass")
 """What can be exported: videos, a pose strip, BVH, skinned binary glTF, a table, the project's own lossless .npz,
 AMASS .npz."""
+EDITS = ("smooth", "feet", "loop", "mirror", "in_place")
+"""What may be done to a motion before it is written, in that order; see `studio.edits`."""
 CAMERAS = ("follow", "orbit", "front", "back", "left", "right")
 
 
@@ -113,9 +115,15 @@ class ExportSettings:
     """Frames a second of the file; null: the motion's own, for videos what is usual for their kind."""
     camera: str = "follow"
     """Video: follow, orbit, front, back, left or right."""
+    edits: tuple[str, ...] = ()
+    """Done to the motion first: smooth, feet (held where they stand), loop, mirror, in_place."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "formats", tuple(self.formats))
+        for name in self.edits:
+            if name not in EDITS:
+                raise UnknownLabelError("edit", name, EDITS)
+        object.__setattr__(self, "edits", tuple(name for name in EDITS if name in self.edits))
         if not self.formats:
             raise OutOfRangeError("formats", [], "one or more of " + ", ".join(FORMATS))
         for name in self.formats:
@@ -157,7 +165,7 @@ class Settings:
         own = self.generate
         generate = {f.name: getattr(own, f.name) for f in fields(own)}
         generate |= {"bone_scale": dict(own.bone_scale), "constraints": own.constraints.to_json()}
-        export = {**asdict(self.export), "formats": list(self.export.formats)}
+        export = {**asdict(self.export), "formats": list(self.export.formats), "edits": list(self.export.edits)}
         text = json.dumps({"version": VERSION, "generate": generate, "export": export}, indent=2)
         # a row of numbers stays on one line; line breaks inside a string are escaped, so no string is touched
         return re.sub(r"\[\n\s*([-\d.e,\s]+?)\n\s*\]", lambda row: "[" + " ".join(row[1].split()) + "]", text) + "\n"
@@ -233,8 +241,8 @@ def write_settings(settings: Settings, path: str | Path) -> Path:
 
 _TYPES: dict[str, tuple[type, ...]] = {
     "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
-    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "camera": (str,), "style": (str,),
-    "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
+    "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
+    "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
     "width": (int, type(None)), "height": (int, type(None)), "fps": (int, float, type(None)),
 }  # fmt: skip
 
@@ -260,7 +268,7 @@ def _fits(key: str, value: Any) -> bool:
         return False
     if key == "bone_scale":
         return all(isinstance(v, int | float) and not isinstance(v, bool) for v in value.values())
-    return key != "formats" or all(isinstance(v, str) for v in value)
+    return key not in ("formats", "edits") or all(isinstance(v, str) for v in value)
 
 
 def _known_keys(tree: Mapping[str, Any], known: Any, source: str | Path) -> None:

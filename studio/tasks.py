@@ -120,7 +120,7 @@ def export(
     cancel: Cancel | None = None,
 ) -> Path:
     """Write one file, its format told by its name, by the settings. Returns the path."""
-    kind = format_of(path)
+    motion, kind = edited(motion, settings), format_of(path)
     if kind not in VIDEO_FORMATS:
         if cancel is not None and cancel():
             raise Cancelled("the export was cancelled; no file was left.")
@@ -140,7 +140,14 @@ def export_pictures(
     """Write the frames of a video as numbered .png into a new folder, by the settings. Returns the folder."""
     from viewers import video
 
-    return video.render_pngs(motion, folder, progress=progress, cancel=cancel, **_video(settings))
+    return video.render_pngs(edited(motion, settings), folder, progress=progress, cancel=cancel, **_video(settings))
+
+
+def edited(motion: Motion, settings: ExportSettings) -> Motion:
+    """The motion with the edits that the settings ask for."""
+    from studio import edits
+
+    return edits.apply(motion, settings.edits) if settings.edits else motion
 
 
 def _video(settings: ExportSettings) -> dict[str, Any]:

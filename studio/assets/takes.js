@@ -55,7 +55,7 @@ export function render(part) {
     }, icon(name), text)
     redraw(foot, tool("accepted", "check", take?.accepted ? "Kept" : "Keep", Boolean(take?.accepted), "Keep this take (K)"),
       h("button", {class: "btn", type: "button", "data-key": "again", disabled: !take?.again || model.busy, title: "The same settings on another seed (A)", onclick: () => send("again")}, icon("again"), "Again"),
-      tool("compare", "compare", "Compare", model.compared.includes(model.selected), "Show it beside others, in sync (C)"),
+      tool("compare", "compare", "Compare", model.compared.includes(model.selected), "Show it beside others, in sync (C); Ctrl-click ticks, Shift-click ticks a row"),
       h("button", {class: "btn icon", type: "button", "data-key": "delete", disabled: !take, "aria-label": "Delete this take", title: "Delete (Del); undo brings it back", onclick: () => send("delete")}, icon("trash")))
   }
   watch(model, ["takes", "selected", "compared", "shown", "thumbnails", "busy", "found", "search"], draw)
@@ -81,16 +81,24 @@ function groups(takes) {
   for (const take of takes) found.set(take.group, [...(found.get(take.group) ?? []), take])
   return [...found.values()].reverse()
 }
+/** A click picks; with Ctrl it ticks for comparison, with Shift it ticks all from the picked one to here. */
+function choose(model, take, event) {
+  const ids = [...event.currentTarget.closest(".list").querySelectorAll(".pick")].map((pick) => pick.dataset.id)
+  const [from, to] = [ids.indexOf(model.selected), ids.indexOf(take.id)].sort((a, b) => a - b)
+  if (event.shiftKey && from >= 0) model.send_msg({do: "compare_these", ids: ids.slice(from, to + 1)})
+  else if (event.ctrlKey || event.metaKey) model.send_msg({do: "compare", id: take.id})
+  else model.selected = take.id
+}
 function card(model, take, send) {
   const on = take.id === model.selected
   const ticked = model.compared.includes(take.id)
   const picture = model.thumbnails[take.id]
-  const spoken = [take.title, take.subject, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred", take.tags.length > 0 && `tagged ${take.tags.join(", ")}`].filter(Boolean).join(", ")
+  const spoken = [take.title, take.subject, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred", take.edits.length > 0 && `shown with ${take.edits.join(", ")}`, take.tags.length > 0 && `tagged ${take.tags.join(", ")}`].filter(Boolean).join(", ")
   return h("li", {class: `take ${on ? "on" : ""}`, "data-key": take.id},
-    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: () => { model.selected = take.id }}),
+    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: (event) => choose(model, take, event)}),
     h("span", {class: "picture"}, picture ? h("img", {src: picture, alt: "", width: "58", height: "58"}) : icon("person")),
     h("div", {class: "text"},
-      h("div", {class: "title"}, dot(model, take), take.title, take.accepted && h("span", {class: "kept", title: "Kept"}, icon("check"))),
+      h("div", {class: "title"}, dot(model, take), take.title, take.accepted && h("span", {class: "kept", title: "Kept"}, icon("check")), take.edits.length > 0 && h("span", {class: "edited", title: `Shown with: ${take.edits.join(", ")}`}, icon("pen"))),
       h("div", {class: "line"}, ...take.tags.map((tag) => h("span", {class: "tag", "data-key": `tag ${tag}`}, tag)), take.line),
       h("div", {class: "line measures"}, ...take.measures.map(({word, level, name, text, real}) => h("span", {class: level, title: `${name}: ${text}${real ? ` (real motion: ${real})` : ""}`}, word)))),
     h("div", {class: "marks"},

@@ -22,6 +22,10 @@ FpsOption = Annotated[float | None, typer.Option(metavar="RATE", help="Frames a 
 CameraOption = Annotated[
     str | None, typer.Option(metavar="NAME", help="Video: follow, orbit, front, back, left or right.")
 ]
+EditOption = Annotated[
+    list[str] | None,
+    typer.Option("--edit", metavar="NAME", help="Done first, repeatable: smooth, feet, loop, mirror, in_place."),
+]
 
 
 def settings_from(file: Path | None, **options: Any) -> Settings:

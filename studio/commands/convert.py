@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 
 from engines.errors import OutOfRangeError
+from studio.commands.console import EditOption
 
 
-def convert(
+def convert(  # noqa: PLR0913, PLR0917 (one parameter an option)
     source: Annotated[Path, typer.Argument(metavar="IN", help="Motion file to read: .bvh, .glb, .npz, .amc, .mat")],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="File to write: .bvh, .glb, .csv, .npz, .amass.npz")],
     fps: Annotated[float | None, typer.Option(metavar="RATE", help="Resample to this many frames a second.")] = None,
@@ -20,6 +21,7 @@ def convert(
     bones: Annotated[
         bool, typer.Option("--bones", help="Into .glb: joints alone, on the motion's own skeleton.")
     ] = False,
+    edit: EditOption = None,
 ) -> None:
     """Convert a motion file, its formats told by the extensions.
 
@@ -30,10 +32,12 @@ def convert(
     motionloom convert walk.bvh walk.glb
 
     motionloom convert mocap.bvh house.bvh --fps 20 --retarget smpl22
+
+    motionloom convert walk.bvh walk-here.bvh --edit feet --edit in_place
     """
     import engines
     from engines import skeletons
-    from studio import tasks
+    from studio import edits, tasks
 
     if fps is not None and not 1 <= fps <= 240:
         raise OutOfRangeError("--fps", fps, "1 to 240")
@@ -43,6 +47,7 @@ def convert(
         motion = motion.retarget(wanted)
     if fps is not None:
         motion = motion.resample(fps)
+    motion = edits.apply(motion, edit or ())
     target.parent.mkdir(parents=True, exist_ok=True)
     skinned = target.suffix.lower() == ".glb" and not bones
     typer.echo(tasks.write_skinned(motion, target) if skinned else motion.write(target))

@@ -11,6 +11,7 @@ import typer
 from engines.errors import MotionloomError, OutOfRangeError
 from studio.commands.console import (
     CameraOption,
+    EditOption,
     FpsOption,
     HeightOption,
     SettingsOption,
@@ -71,6 +72,7 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     width: WidthOption = None,
     height: HeightOption = None,
     fps: FpsOption = None,
+    edit: EditOption = None,
     camera: CameraOption = None,
     list_actions: Annotated[bool, typer.Option("--list-actions", help="Print the actions known, and exit.")] = False,
 ) -> None:
@@ -97,7 +99,7 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         settings, action="" if words_alone else action, prompt=prompt, style=style, guidance=guidance,
         best_of=best_of, count=count, frames=frames, seed=seed, take=take, engine=engine, variant=variant,
         bone_scale=parse_factors(bone_scale), formats=parse_formats(formats), width=width, height=height, fps=fps,
-        camera=camera,
+        camera=camera, edits=tuple(edit) if edit else None,
     )  # fmt: skip
     if list_actions:
         _print_actions(wanted.generate)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -10,6 +11,7 @@ import panel as pn
 
 from engines.errors import MotionloomError
 from studio import tasks
+from studio.edits import WORDS
 from studio.quality import measures
 from studio.session import Session
 from studio.settings import GenerateSettings
@@ -73,11 +75,15 @@ def _details(session: Session) -> pn.Column:
 
     def show(*_: Any) -> None:
         take = state.take()
-        text.object = _described(take) if take else "<p class='hint'>Pick a take to see what made it.</p>"
+        text.object = (
+            _described(take, session.editing.metrics(take))
+            if take
+            else "<p class='hint'>Pick a take to see what made it.</p>"
+        )
         name, _text = session.files.settings_file()
         save.param.update(visible=bool(name), filename=name or "take.json")
 
-    state.param.watch(show, ["selected", "takes"])
+    state.param.watch(show, ["selected", "takes", "edited"])
     show()
     return column(_tags(session), text, save, gap=8)
 
@@ -97,17 +103,17 @@ def _tags(session: Session) -> Tags:
     return part
 
 
-def _described(take: Take) -> str:
+def _described(take: Take, metrics: Mapping[str, float]) -> str:
     """Markup on a take, or on why its motion cannot be shown."""
     try:
-        return describe(take)
+        return describe(take, metrics)
     except MotionloomError as problem:
         return f"<section><h4>{take.title}</h4><p class='poor'>{escape(str(problem))}</p></section>"
 
 
-def describe(take: Take) -> str:
-    """Markup on a take: what made it, its quality, how to make it again."""
-    return _made(take) + _unmet(take) + _quality(take) + _reproduce(take)
+def describe(take: Take, metrics: Mapping[str, float]) -> str:
+    """Markup on a take: what made it, its quality as it is shown, how to make it again."""
+    return _made(take) + _unmet(take) + _quality(metrics) + _reproduce(take)
 
 
 def _made(take: Take) -> str:
@@ -132,6 +138,7 @@ def _made(take: Take) -> str:
             "Guidance": f"{drawn.guidance:g}" if "guidance" in made.parameters else "",
             "Best of": f"{drawn.best_of}" if drawn.best_of > 1 else "",
         }
+    rows["Shown with"] = escape(", ".join(WORDS[name].lower() for name in take.edits if name in WORDS))
     return _section(f"What made {take.title.lower()}", rows)
 
 
@@ -147,9 +154,9 @@ def _unmet(take: Take) -> str:
     return f"<section><h4>Not met</h4>{lines}</section>" if lines else ""
 
 
-def _quality(take: Take) -> str:
+def _quality(metrics: Mapping[str, float]) -> str:
     rows = {}
-    for measure in measures(take.metrics):
+    for measure in measures(metrics):
         real = f"<small>real {measure.real}</small>" if measure.real else ""
         rows[measure.name] = f"<span class='{measure.level}'>{measure.text}</span>{real}"
     return _section("Quality", rows) if rows else ""

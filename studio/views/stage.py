@@ -2,92 +2,118 @@
 
 from __future__ import annotations
 
+from operator import is_
 from typing import Any
 
 import panel as pn
 
+from engines import Motion
+from studio.edits import WORDS
 from studio.pinning import as_shown
 from studio.session import Session
+from studio.settings import EDITS
 from studio.views.binding import follow, tie
 from studio.views.forms import html
 from studio.views.parts import StageBar
 
 
 def stage(session: Session) -> pn.Column:
-    """The 3D player over the whole middle, with a bar on it that says which takes are shown.
-
-    The player is made with the first takes, since it has nothing to show before.
-    """
+    """The 3D player over the whole middle, with a bar on it that says which takes are shown."""
     state = session.state
-    bar = _bar(session)
-    place = pn.Column(bar, sizing_mode="stretch_both", margin=0)
     nobody = html(sizing_mode="stretch_both")
-    player: Any = None
 
     def say(*_: Any) -> None:
         coming = state.generating or not (state.engine_ready or state.generate_error)
-        words = (
-            "The first people are on their way…" if coming else "Nobody here yet.<br>Generate, or drop a motion file."
-        )
-        nobody.object = f"<p class='nobody'>{words}</p>"
+        words = "The first people are on their way…" if coming else "Nobody here yet. Generate, or drop a motion file."
+        nobody.param.update(object=f"<p class='nobody'>{words}</p>", visible=not state.shown)
 
-    def restage(*_: Any) -> None:
-        nonlocal player
-        there = [(take, session.motion(take)) for take in map(state.take, state.shown) if take is not None]
-        motions = [motion for _take, motion in there if motion is not None]
-        names = [take.title for take, motion in there if motion is not None]
-        place.visible, nobody.visible = bool(motions), not motions
-        if not motions:
-            return
-        if player is None:
-            player = _player(session, motions, names)
-            place.append(player)
-        else:
-            player.show_motions(motions, names)
-        player.selected = state.shown.index(state.selected) if state.selected in state.shown else 0
-
-    def reselect(event: Any) -> None:
-        if player is not None and event.new in state.shown:
-            player.selected = state.shown.index(event.new)
-
-    state.param.watch(restage, "shown")
-    state.param.watch(reselect, "selected")
-    state.param.watch(say, ["generating", "engine_ready", "generate_error"])
+    state.param.watch(say, ["generating", "engine_ready", "generate_error", "shown"])
     say()
-    restage()
-    return pn.Column(nobody, place, sizing_mode="stretch_both", margin=0)
+    return pn.Column(nobody, _Stage(session).place, sizing_mode="stretch_both", margin=0)
 
 
-def _player(session: Session, motions: list, names: list[str]) -> Any:
-    from viewers.web.player import PanelPlayer
+class _Stage:
+    """The player, made with the first takes, since it has nothing to show before.
 
-    state = session.state
-    player = PanelPlayer(
-        motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme, global_keys=True,
-        playing=state.frame < 0, frame=max(0, state.frame),
-    )  # fmt: skip
-    tie(player, state, theme="theme", tool="tool")
-    follow(player, state, ["pinned", "fps", "capabilities"], lambda: {"pinned": _pins(session)})
+    Args:
+        session: whose takes it shows.
+    """
 
-    def picked(event: Any) -> None:
-        if 0 <= event.new < len(state.shown):
-            session.select(state.shown[event.new])
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.place = pn.Column(_bar(session), sizing_mode="stretch_both", margin=0)
+        self.player: Any = None
+        self.ids: list[str] = []
+        """The takes on it, in its order."""
+        self.motions: list[Motion] = []
+        session.state.param.watch(self._show, ["shown", "takes", "edited"])
+        session.state.param.watch(self._reselect, "selected")
+        self._show()
 
-    def moved(*_: Any) -> None:
-        playhead = player.frame / player.motions[0].fps
-        state.param.update(playhead=playhead, frame=-1 if player.playing else player.frame)
+    def _show(self, *_: Any) -> None:
+        """Show the takes as they are now; nothing is sent where all are as before."""
+        state = self.session.state
+        takes = [take for take in map(state.take, state.shown) if take is not None]
+        there = {take.id: (take.title, motion) for take in takes if (motion := self.session.editing.motion(take))}
+        names, motions = [name for name, _ in there.values()], [motion for _, motion in there.values()]
+        same = len(motions) == len(self.motions) and all(map(is_, motions, self.motions))
+        if list(there) == self.ids and same:
+            self._reselect()
+            return
+        self.ids, self.motions = list(there), motions
+        self.place.visible = bool(motions)
+        if self.player is not None and motions:
+            self.player.show_motions(motions, names)
+        elif motions:
+            self.player = self._make(names)
+            self.place.append(self.player)
+        self._reselect()
 
-    def drawn(event: Any) -> None:
-        what = event.new
+    def _reselect(self, *_: Any) -> None:
+        selected = self.session.state.selected
+        if self.player is None:
+            return
+        take = self.session.takes.get(selected)
+        self.player.edits = ",".join(take.edits) if take else ""
+        self.player.selected = self.ids.index(selected) if selected in self.ids else 0
+
+    def _make(self, names: list[str]) -> Any:
+        from viewers.web.player import PanelPlayer
+
+        state = self.session.state
+        player = PanelPlayer(
+            self.motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme,
+            global_keys=True, playing=state.frame < 0, frame=max(0, state.frame),
+            editable=",".join(f"{name}={WORDS[name]}" for name in EDITS),
+        )  # fmt: skip
+        tie(player, state, theme="theme", tool="tool")
+        follow(player, state, ["pinned", "fps", "capabilities"], lambda: {"pinned": _pins(self.session)})
+        player.param.watch(self._picked, "selected")
+        player.param.watch(self._moved, ["frame", "playing"])
+        player.param.watch(self._drawn, "drawn")
+        player.param.watch(self._edited, "edits")
+        return player
+
+    # ---- what the person does in it -----------------------------------------------------------------------
+
+    def _picked(self, event: Any) -> None:
+        if 0 <= event.new < len(self.ids):
+            self.session.select(self.ids[event.new])
+
+    def _moved(self, *_: Any) -> None:
+        playhead = self.player.frame / self.player.motions[0].fps
+        frame = -1 if self.player.playing else self.player.frame
+        self.session.state.param.update(playhead=playhead, frame=frame)
+
+    def _drawn(self, event: Any) -> None:
+        what, pins = event.new, self.session.pins
         if what.get("kind") == "path":
-            session.pins.path(what["points"])
+            pins.path(what["points"])
         elif what.get("kind") == "joint":
-            session.pins.joint(what["joint"], what["place"], what["frame"] / what["fps"])
+            pins.joint(what["joint"], what["place"], what["frame"] / what["fps"])
 
-    player.param.watch(picked, "selected")
-    player.param.watch(moved, ["frame", "playing"])
-    player.param.watch(drawn, "drawn")
-    return player
+    def _edited(self, event: Any) -> None:
+        self.session.editing.set(self.session.state.selected, event.new.split(","))
 
 
 def _pins(session: Session) -> dict[str, Any]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from studio.edits import WORDS
 from studio.quality import measures
 from studio.session import Session
 from studio.takes import Take
@@ -21,7 +23,8 @@ def gallery(session: Session) -> TakeGallery:
         part, state, selected="selected", compared="compared", shown="shown", thumbnails="thumbnails",
         busy="generating", search="search", found="found",
     )  # fmt: skip
-    follow(part, state, ["takes"], lambda: {"takes": [card(take) for take in state.takes]})
+    metrics = session.editing.metrics
+    follow(part, state, ["takes", "edited"], lambda: {"takes": [card(take, metrics(take)) for take in state.takes]})
     acts = {
         "compare": session.compare,
         "delete": session.delete,
@@ -30,13 +33,14 @@ def gallery(session: Session) -> TakeGallery:
         "favourite": lambda take_id: session.toggle(take_id, "favourite"),
         "accepted": lambda take_id: session.toggle(take_id, "accepted"),
     }
+    part.on("compare_these", lambda message: session.compare_these([str(take) for take in message.get("ids", ())]))
     for what, act in acts.items():
         part.on(what, lambda message, act=act: act(str(message.get("id", ""))))
     return part
 
 
-def card(take: Take) -> dict[str, Any]:
-    """What the gallery shows of a take."""
+def card(take: Take, metrics: Mapping[str, float]) -> dict[str, Any]:
+    """What the gallery shows of a take; `metrics` are those of the take as it is shown, edits and all."""
     seconds = duration(take.duration)
     drawn = take.settings
     line = f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.frames:,} frames"
@@ -49,10 +53,11 @@ def card(take: Take) -> dict[str, Any]:
         "group": take.group,
         "measures": [
             {"name": m.name, "text": m.text, "real": m.real, "level": m.level, "word": m.word}
-            for m in measures(take.metrics)
+            for m in measures(metrics)
         ],
         "favourite": take.favourite,
         "accepted": take.accepted,
         "again": drawn is not None,
         "tags": list(take.tags),
+        "edits": [WORDS[name] for name in take.edits if name in WORDS],
     }

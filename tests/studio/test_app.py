@@ -58,13 +58,13 @@ def made(**options):
 def test_a_card_says_seed_place_and_measures():
     from studio.settings import GenerateSettings
 
-    shown = card(made(settings=GenerateSettings(seed=9, count=1), metrics=[METRICS]))
+    shown = card(made(settings=GenerateSettings(seed=9, count=1), metrics=[METRICS]), METRICS)
     assert (shown["line"], shown["about"], shown["again"]) == ("seed 9 · 1 of 1", "1 × 2.0 s", True)
     assert [m["word"] for m in shown["measures"]] == ["skate 5.0", "jitter 40", "floor 0.1"]
 
 
 def test_a_file_name_is_text_not_markup():
-    text = describe(made(source="<img src=x onerror=alert(1)>.bvh"))
+    text = describe(made(source="<img src=x onerror=alert(1)>.bvh"), {})
     assert "<img" not in text
     assert "&lt;img" in text
 

@@ -259,7 +259,7 @@ def test_a_motion_that_cannot_be_read_is_said(begin, library, monkeypatch):
     monkeypatch.setattr("studio.library.motions.fetch", lambda *_: (_ for _ in ()).throw(LibraryError("gone")))
     fresh = library.shelf(again.state.project).read()[0]
     object.__setattr__(fresh.held, "cache", Cache())
-    assert again.motion(fresh) is None
+    assert again.editing.motion(fresh) is None
     assert again.state.message == "Take 1 cannot be shown: gone"
 
 

@@ -283,3 +283,18 @@ def test_closing_removes_the_files(session, settle):
     assert [path.name for path in folder.rglob("*.bvh")] == ["take-1-walk.bvh"]
     session.close()
     assert not folder.exists()
+
+
+def test_a_row_of_takes_is_compared_up_to_what_the_stage_holds(started, settle):
+    started.compare_these(["take-3", "take-1", "take-3", "take-9"])
+    assert started.state.shown == ["take-3", "take-1"]
+    started.state.count = 20
+    started.generate()
+    settle(started)
+    started.compare_these(ids(started))
+    assert len(started.state.shown) == len(started.state.compared) == STAGE_LIMIT
+    assert started.state.message == "At most 16 takes are compared at once."
+    started.compare("take-24")
+    assert started.state.compared == ids(started)[:STAGE_LIMIT], "one more is not taken"
+    started.compare_these([])
+    assert (started.state.compared, started.state.stage_mode) == ([], "all")

@@ -72,6 +72,12 @@ class Controls:
     names: bool = option(True, "Show the names under the figures.")
     in_place: bool = option(False, "Show the figures walking on the spot; the motions stay as they are.")
     mirror: bool = option(False, "Show left for right; the motions stay as they are.")
+    editable: str = option(
+        "",
+        "Changes offered beside the transport in place of In place and Mirror, `name=Words` with commas between; they "
+        "are for whoever watches `edits` to carry out.",
+    )
+    edits: str = option("", "Those of them that are pressed, by name, commas between.")
     arrangement: str = option("side", "Several figures side by side or in one place.", ("side", "overlay"))
     spacing: float = option(1.2, "Metres between figures that stand side by side.", (), (0.0, 20.0))
     selected: int = option(0, "Index of the picked figure; -1 for none.", (), (-1, payload.MAX_ACTORS - 1))

@@ -4,6 +4,7 @@ import { VIEWS } from "./cameraman.js";
 
 const flag = (fallback) => ({ fallback, clean: (value) => Boolean(value) });
 const oneOf = (...values) => ({ fallback: values[0], clean: (value) => (values.includes(value) ? value : undefined) });
+const text = (fallback) => ({ fallback, clean: (value) => (typeof value === "string" ? value : undefined) });
 const number = (fallback, low, high) => ({
   fallback,
   clean: (value) => (Number.isFinite(value) ? Math.min(Math.max(value, low), high) : undefined),
@@ -25,6 +26,8 @@ export const OPTIONS = {
   names: flag(true),
   in_place: flag(false),
   mirror: flag(false),
+  editable: text(""),
+  edits: text(""),
   arrangement: oneOf("side", "overlay"),
   spacing: number(1.2, 0, 20),
   controls: oneOf("full", "minimal", "none"),

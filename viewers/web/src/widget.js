@@ -62,6 +62,7 @@ export class Widget {
     player.addEventListener("takes", () => {
       this.names.rebuild();
       this.timeline.rebuild();
+      this.toolbar.refresh();
       this.canvas.setAttribute("aria-label", this.#inWords());
     });
     player.addEventListener("tick", () => {

@@ -9,6 +9,7 @@ const KEYS = [
   ["L", "loop off, all, selection"],
   ["S", "body, skeleton, both"],
   ["G  T  C", "ghosts, trail, foot contacts"],
+  ["V", "several figures in one place, or side by side"],
   ["F", "follow the figure"],
   ["1  2  3  4", "front, back, left, right"],
   ["0", "frame everything"],

@@ -18,6 +18,7 @@ function actions(player, { toolbar, help, screenshot }) {
     s: () => toolbar.cycleShow(),
     t: () => player.toggle("trail"),
     c: () => player.toggle("contacts"),
+    v: () => player.actors.length > 1 && toolbar.toggleOverlay(),
     f: () => player.toggleFollow(),
     p: () => screenshot(),
     1: () => player.set("camera", "front"),

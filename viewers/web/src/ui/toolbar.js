@@ -23,9 +23,10 @@ export class Toolbar {
     });
     this.trail = button({ label: "Trail", text: "Trail", key: "T", onclick: () => player.toggle("trail") });
     this.contacts = button({ label: "Contacts", text: "Contacts", key: "C", onclick: () => player.toggle("contacts") });
+    this.overlay = button({ label: "Overlay: all in one place", text: "Overlay", key: "V", onclick: () => this.toggleOverlay() });
     return h("div", { class: "float looks", role: "toolbar", "aria-label": "What is shown" },
       h("span", { class: "group", role: "group", "aria-label": "Figure" }, ...this.shows), h("i", { class: "bar" }),
-      h("span", { class: "group" }, this.ghosts, this.every), h("i", { class: "bar" }), this.trail, h("i", { class: "bar" }), this.contacts);
+      h("span", { class: "group" }, this.ghosts, this.every), h("i", { class: "bar" }), this.trail, h("i", { class: "bar" }), this.contacts, this.overlay);
   }
 
   #views() {
@@ -43,6 +44,10 @@ export class Toolbar {
     this.player.set("ghosts", ghosts ? 0 : this.lastGhosts);
   }
 
+  toggleOverlay() {
+    this.player.set("arrangement", this.player.options.arrangement === "overlay" ? "side" : "overlay");
+  }
+
   cycleShow() {
     const names = SHOW.map(([value]) => value);
     this.player.set("show", names[(names.indexOf(this.player.options.show) + 1) % names.length]);
@@ -56,6 +61,8 @@ export class Toolbar {
     if (options.ghosts) this.every.value = options.ghosts;
     press(this.trail, options.trail);
     press(this.contacts, options.contacts);
+    press(this.overlay, options.arrangement === "overlay");
+    this.overlay.hidden = this.player.actors.length < 2;
     press(this.follow, cameraman.tracking);
     SIDES.forEach(([view], i) => press(this.sides[i], options.camera === view));
   }

@@ -58,7 +58,28 @@ export class Transport {
     const { player } = this;
     const make = (name, label) => [name, button({ label, text: label, onclick: () => player.toggle(name) })];
     this.toggles = [make("in_place", "In place"), make("mirror", "Mirror"), make("floor", "Floor")];
-    return h("span", { class: "group toggles", role: "group", "aria-label": "View changes" }, ...this.toggles.map(([, element]) => element));
+    this.edits = h("span", { class: "group", role: "group" });
+    return h("span", { class: "group toggles" }, this.edits,
+      h("span", { class: "group", role: "group", "aria-label": "View changes" }, ...this.toggles.map(([, element]) => element)));
+  }
+
+  // Changes that somebody else carries out, for the picked figure: offered by `editable`, pressed in `edits`.
+  #showEdits({ editable, edits, selected }) {
+    const { player } = this;
+    const offered = editable.split(",").filter(Boolean).map((entry) => entry.split("="));
+    const pressed = edits.split(",").filter(Boolean);
+    const toggle = (name) => () => {
+      const now = player.options.edits.split(",").filter(Boolean);
+      player.set("edits", (now.includes(name) ? now.filter((other) => other !== name) : [...now, name]).join(","));
+    };
+    if (this.offered !== editable) {
+      this.offered = editable;
+      this.edits.replaceChildren(...offered.map(([name, label]) => button({ label, text: label, onclick: toggle(name) })));
+    }
+    const name = player.actors[selected]?.take.name;
+    this.edits.setAttribute("aria-label", name ? `Changes to ${name}` : "Changes");
+    offered.forEach(([key], i) => press(this.edits.children[i], pressed.includes(key)));
+    for (const [key, element] of this.toggles) element.hidden = offered.length > 0 && key !== "floor";
   }
 
   #extras(screenshot, help) {
@@ -80,6 +101,7 @@ export class Transport {
     this.loop.value = options.loop;
     this.#showSpeed(options.speed);
     for (const [name, element] of this.toggles) press(element, options[name]);
+    this.#showEdits(options);
   }
 
   // A speed set from Python need not be one of the list's; it gets an entry while it lasts.
