@@ -207,17 +207,26 @@ class Renderer:
         targets.blur_atlas()
 
     def _backdrop(self, stage: Stage, moment: int, matrix: np.ndarray) -> None:
-        """Sky and floor; a still camera sees the same ones all the time, so they are kept."""
+        """Sky, floor and its lines: all kept while the camera stands still, but for the lines while it goes along."""
         if stage.scene.transparent:
             self.targets.empty_backdrop()
             return
         eye, target = stage.track.eye[moment], stage.track.target[moment]
-        colours = stage.scene.colours
-        grain = {"GRAIN": 1} if len(stage.times) == 1 else {}
-        key = (colours, stage.scene.floor, stage.track.fov, eye.tobytes(), target.tobytes(), len(grain))
-        if self.targets.keep_backdrop(key):
-            return
-        program = self.graphics.program("backdrop", "backdrop", **grain)  # an encoder would only wash grain out again
+        arm, scene = np.round(eye - target, 6), stage.scene
+        grain = {"GRAIN": 1} if len(stage.times) == 1 else {}  # an encoder would only wash grain out again
+        light = (scene.colours, scene.floor, stage.track.fov, arm.tobytes(), round(float(eye[1]), 6), len(grain))
+        there, lines = self.targets.keep_backdrop(light, (*light, eye.tobytes()))
+        reach = staging.floor_reach(float(np.linalg.norm(arm)))
+        if not there:
+            self._sky_and_floor(stage, moment, matrix, self.graphics.program("backdrop", "backdrop", **grain))
+            self.targets.backdrop_drawn(lines=False)
+        if not lines:
+            if scene.floor and eye[1] > 0:
+                self._grid(stage, moment, matrix, reach)
+            self.targets.backdrop_drawn(lines=True)
+
+    def _sky_and_floor(self, stage: Stage, moment: int, matrix: np.ndarray, program: moderngl.Program) -> None:
+        eye, target, colours = stage.track.eye[moment], stage.track.target[moment], stage.scene.colours
         around = np.eye(4)
         around[:3, 3] = eye
         reach = staging.floor_reach(float(np.linalg.norm(eye - target)))
@@ -233,9 +242,6 @@ class Renderer:
             ground=hex_to_rgb(colours.floor),
         )
         self.targets.net(program)
-        if stage.scene.floor and eye[1] > 0:
-            self._grid(stage, moment, matrix, reach)
-        self.targets.backdrop_drawn()
 
     def _grid(self, stage: Stage, moment: int, matrix: np.ndarray, reach: float) -> None:
         gl, program = self.graphics.gl, self.graphics.program("grid", "grid")

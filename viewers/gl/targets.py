@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import moderngl
 import numpy as np
 
@@ -17,6 +19,21 @@ blocks of such sizes."""
 LEAST_CELLS = (12, 24)
 
 
+@dataclass(eq=False)
+class _Slot:
+    """A picture that is kept while the same is asked for."""
+
+    buffer: moderngl.Framebuffer
+    key: object = None
+    kept: bool = False
+
+    def asked(self, key: object) -> bool:
+        """Note what is asked for now; True if it should be kept once it is drawn."""
+        again, self.key = key == self.key, key
+        self.kept = self.kept and again
+        return again and not self.kept
+
+
 class Targets:
     """The figures' multisampled layer, the picture, the shadow atlas, and the planes of video frames."""
 
@@ -26,9 +43,8 @@ class Targets:
         self.layer: moderngl.Framebuffer | None = None
         self.layer_place = (0, 0)
         self._pictures = [gl.framebuffer([gl.texture((width, height), 4)]) for _ in range(2)]
-        self._backdrop = gl.framebuffer([gl.texture((width, height), 4)])
-        self._backdrop_key: object = None
-        self._keep = self._kept = False
+        self._slots = [_Slot(gl.framebuffer([gl.texture((width, height), 4)])) for _ in range(2)]
+        self._pending: list[_Slot] = []
         self._across = 0
         self._atlas: list[moderngl.Framebuffer] = []
 
@@ -94,11 +110,10 @@ class Targets:
     def compose_layer(self, strips: np.ndarray) -> None:
         """Lay the figures over strips (BANDS, 4) of the picture (left, top, right, bottom), samples averaged."""
         assert self.layer is not None
-        program = self.graphics.program("strips", "layer" if self.samples > 1 else "layer_single")
+        many = {"SAMPLES": self.samples} if self.samples > 1 else {}
+        program = self.graphics.program("strips", "layer" if many else "layer_single", **many)
         places = strips.reshape(-1, 2) / np.array([self.width, self.height]) * 2 - 1
         put(program, corner=self.layer_place, strips=[tuple(strip) for strip in places.reshape(-1, 4).tolist()])
-        if self.samples > 1:
-            put(program, samples=self.samples)
         self._image(self.layer).use(0)
         self.strips(program, len(strips))
 
@@ -110,36 +125,41 @@ class Targets:
                     part.release()
             self.layer = None
 
-    # ---- the backdrop of a still camera ---------------------------------------------------------------------------
+    # ---- the backdrop, kept while it stays the same ---------------------------------------------------------------
 
-    def keep_backdrop(self, key: object) -> bool:
-        """Make the picture the target; if the backdrop `key` is the one drawn last, put it there and return True.
+    def keep_backdrop(self, light: object, lines: object) -> tuple[bool, bool]:
+        """Make the picture the target, with as much of the backdrop in it as was kept.
 
-        A backdrop asked for twice in a row is kept; one that is asked for once costs nothing extra.
+        What is asked for twice in a row is kept; what is asked for once costs nothing extra.
+
+        Args:
+            light: key of sky and floor: the same while the camera only goes along.
+            lines: key of all with the floor's lines: the same while the camera stands still.
+
+        Returns:
+            Are sky and floor there; are the lines there too.
         """
-        again = key == self._backdrop_key
-        self._backdrop_key = key
-        self._keep = again and not self._kept
-        if again and self._kept:
-            self.graphics.gl.copy_framebuffer(self.picture, self._backdrop)
-        self._kept = self._kept and again
+        self._pending = [slot for slot, key in zip(self._slots, (light, lines), strict=True) if slot.asked(key)]
         self.picture.use()
         self.graphics.gl.viewport = (0, 0, self.width, self.height)
-        return self._kept
+        kept = [slot.kept for slot in self._slots]
+        if any(kept):
+            self.graphics.gl.copy_framebuffer(self.picture, self._slots[kept[1]].buffer)
+            self.picture.use()
+        return any(kept), kept[1]
 
     def empty_backdrop(self) -> None:
         """Make the picture the target, with nothing in it."""
-        self._backdrop_key, self._keep, self._kept = None, False, False
-        self.picture.use()
-        self.graphics.gl.viewport = (0, 0, self.width, self.height)
+        self.keep_backdrop(object(), object())
         self.picture.clear(0.0, 0.0, 0.0, 0.0)
 
-    def backdrop_drawn(self) -> None:
-        """Called when the backdrop alone is in the picture: keep it if it was asked for before."""
-        if self._keep:
-            self.graphics.gl.copy_framebuffer(self._backdrop, self.picture)
+    def backdrop_drawn(self, lines: bool) -> None:
+        """Called when sky and floor are in the picture, and again when the `lines` are: keep it if it was asked."""
+        slot = self._slots[lines]
+        if slot in self._pending:
+            self.graphics.gl.copy_framebuffer(slot.buffer, self.picture)
             self.picture.use()
-            self._kept = True
+            slot.kept = True
 
     # ---- shadows ----------------------------------------------------------------------------------------------
 
@@ -199,7 +219,7 @@ class Targets:
         self._close_layer()
         self._free(self._atlas)
         self._free(self._pictures)
-        self._free([self._backdrop])
+        self._free([slot.buffer for slot in self._slots])
 
     # ---- helpers --------------------------------------------------------------------------------------------------
 

@@ -5,14 +5,12 @@ in vec3 in_position;
 in uvec4 in_joints;
 in vec4 in_weights;
 
-mat3x4 blended() {
-    mat3x4 m = mat3x4(0.0);
-    for (int k = 0; k < 4; k++) {
-        int row = 3 * int(in_joints[k]);
-        float w = in_weights[k];
-        m[0] += w * rows[row];
-        m[1] += w * rows[row + 1];
-        m[2] += w * rows[row + 2];
-    }
-    return m;
+mat3x4 blended() {  // written out: Mesa's software rasteriser takes an eighth longer over a loop
+    ivec4 r = 3 * ivec4(in_joints);
+    vec4 w = in_weights;
+    return mat3x4(
+        w.x * rows[r.x] + w.y * rows[r.y] + w.z * rows[r.z] + w.w * rows[r.w],
+        w.x * rows[r.x + 1] + w.y * rows[r.y + 1] + w.z * rows[r.z + 1] + w.w * rows[r.w + 1],
+        w.x * rows[r.x + 2] + w.y * rows[r.y + 2] + w.z * rows[r.z + 2] + w.w * rows[r.w + 2]
+    );
 }
