@@ -116,10 +116,11 @@ class Action2MotionEngine:
                 progress(len(made), count)
         return made
 
-    def latents(self, action: str, seed: int = 0, frames: int = 60) -> Latents:
-        """The latents that `generate(action, frames, seed)` draws."""
+    def latents(self, action: str, seed: int = 0, frames: int = 60, index: int = 0) -> Latents:
+        """The latents that motion `index` of `generate_many(action, count, frames, seed)` draws."""
+        demand_whole("index", index, 0, MAX_COUNT - 1)
         plan = self._plan([(self._label(action), frames)])
-        _, drawn = self._sample(plan, self._noise(seed, range(1), plan.steps))
+        _, drawn = self._sample(plan, self._noise(seed, [index], plan.steps))
         return Latents(plan.name, drawn[:, 0], frames, seed)
 
     def interpolate(self, action: str, a: Latents, b: Latents, steps: int = 5, whole: bool = True) -> list[Motion]:

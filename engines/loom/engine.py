@@ -209,11 +209,12 @@ class LoomEngine:
             for i, m in enumerate(made)
         ]
 
-    def latents(self, action: str, seed: int = 0, frames: int = 60) -> Draw:
-        """The noise that `generate(action, frames, seed)` begins from."""
+    def latents(self, action: str, seed: int = 0, frames: int = 60, index: int = 0) -> Draw:
+        """The noise that motion `index` of `generate_many(action, count, frames, seed)` begins from."""
         self._request(action, None, None)
         demand_whole("frames", frames, 1, self.config.longest)
-        return Draw(action, self._passes.noise(seed, [0], frames)[0], frames, seed)
+        demand_whole("index", index, 0, MAX_COUNT - 1)
+        return Draw(action, self._passes.noise(seed, [index], frames)[0], frames, seed)
 
     def interpolate(
         self, action: str, a: Draw, b: Draw, steps: int = 5, style: str | None = None, **told: Any

@@ -159,6 +159,18 @@ def test_the_ends_of_an_interpolation_are_the_draws(decoder: str, action: str, f
         assert_close(between[-1], made.generate(action, frames=frames, seed=2))
 
 
+@every_decoder
+def test_each_motion_of_a_draw_has_latents_of_its_own(decoder: str) -> None:
+    made = tiny.engine(decoder)
+    draw = made.generate_many("walk", count=3, frames=24, seed=5)
+    a, b = (made.latents("walk", 5, 24, index) for index in (2, 1))
+    between = made.interpolate("walk", a, b, steps=2)
+    assert_close(between[0], draw[2])
+    assert_close(between[1], draw[1])
+    with pytest.raises(OutOfRangeError):
+        made.latents("walk", 5, 24, -1)
+
+
 # ---- done again -----------------------------------------------------------------------------------------------
 
 
