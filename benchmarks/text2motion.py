@@ -12,9 +12,11 @@ from collections.abc import Callable
 
 import torch
 
+from engines.text.tags import SIDES, TAGS
 from engines.text2motion import config, output
 from engines.text2motion.model import Text2Motion, generate
 from engines.text2motion.packed import PackedVAE
+from engines.text2motion.words import WordBatch
 
 FRAMES, WORDS, REPEATS = 196, 12, 9
 
@@ -37,31 +39,31 @@ def main() -> None:
         torch.set_num_threads(int(sys.argv[2]))
     torch.manual_seed(0)
     model = Text2Motion(config.preset(name).replaced(parts=config.STAGES)).eval().requires_grad_(False)
-    net, lengths = model.text2motion, model.text2length
-    assert net is not None and lengths is not None
+    net = model.text2motion
+    assert net is not None
     packed = PackedVAE(net)
     codes = FRAMES // model.config.frames_a_code
     print(f"preset {name}, {torch.get_num_threads()} threads, motions of {FRAMES} frames")
     for count in (1, 32):
         vectors = torch.randn(count, WORDS, model.config.text_size)
-        tags = torch.eye(15)[torch.randint(15, (count, WORDS))]
-        words = (vectors, tags, torch.full((count,), WORDS))
+        marks = torch.eye(len(TAGS) + len(SIDES))[torch.randint(len(TAGS), (count, WORDS))]
+        words = WordBatch(vectors, marks, torch.full((count,), WORDS))
         many, start = torch.full((count,), codes), model.start(count)
         noise = torch.randn(count, codes, net.sizes.latent)
-        made = generate(packed.steps(net.reader(*words), many, codes), start, noise)
+        made = generate(packed.steps(model.read(words), many, codes), start, noise)
 
         def stepwise(w=words, m=many, s=start, n=noise) -> torch.Tensor:
-            return model.decode(generate(net.steps(net.reader(*w), m), s, n))
+            return model.decode(generate(net.steps(model.read(w), m), s, n))
 
         def premultiplied(w=words, m=many, s=start, n=noise) -> torch.Tensor:
-            return model.decode(generate(packed.steps(net.reader(*w), m, codes), s, n), m)
+            return model.decode(generate(packed.steps(model.read(w), m, codes), s, n), m)
 
         rows = {
             "words to features, every step in full": stepwise,
             "words to features, packed": premultiplied,
             "features of codes": lambda c=made, m=many: model.decode(c, m),
             "Motions of codes": lambda c=made, m=many: output.to_motions(c, m, model, [FRAMES] * len(c)),
-            "lengths": lambda w=words: lengths(*w),
+            "lengths": lambda w=words: model.length_logits(w),
         }
         with torch.inference_mode():
             first, least = times(stepwise)

@@ -80,6 +80,18 @@ RELEASED: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 """The motion dictionary of the released code, whose words are matched as they are."""
 
+SIDES: tuple[frozenset[str], ...] = (
+    words("left leftward leftwards"),
+    words("right rightward rightwards"),
+    words("both"),
+    words("forward forwards ahead onward onwards"),
+    words("back backward backwards reverse retreat retreats"),
+    words("clockwise"),
+    words("counterclockwise anticlockwise"),
+)
+"""Words that name the same side or way. All are directions to the tags, and what a frozen encoder makes of "left" and
+of "right" is nearly the same, since what most sentences say does not hang on it; motions do."""
+
 _WORD = re.compile(r"[^\W\d_]+|'s\b|\d+|[^\w\s]")
 
 
@@ -113,15 +125,18 @@ def tags_of_pieces(pieces: Sequence[str], continues: str = "##") -> list[int]:
         pieces: in order; those that go on a word begin with `continues`.
         continues: the mark.
     """
-    whole: list[str] = []
-    belongs: list[int] = []
-    for piece in pieces:
-        if whole and piece.startswith(continues):
-            whole[-1] += piece.removeprefix(continues)
-        else:
-            whole.append(piece.lower())
-        belongs.append(len(whole) - 1)
+    whole, belongs = _joined(pieces, continues)
     told = [TAGS.index(tag) for tag in tags(whole)]
+    return [told[place] for place in belongs]
+
+
+def sides_of_pieces(pieces: Sequence[str], continues: str = "##") -> list[int]:
+    """Places in `SIDES` of words cut into pieces, -1 for those that name none; arguments as in `tags_of_pieces`."""
+    whole, belongs = _joined(pieces, continues)
+    told = [next((place for place, side in enumerate(SIDES) if word in side), -1) for word in whole]
+    for place, word in enumerate(whole):
+        if word == "clockwise" and whole[max(0, place - 2) : place] in (["counter", "-"], ["anti", "-"]):
+            told[place] = len(SIDES) - 1
     return [told[place] for place in belongs]
 
 
@@ -145,6 +160,19 @@ def released_tag(word: str, part: str, known: bool, dictionary: Mapping[str, Seq
 def one_hot(places: np.ndarray) -> np.ndarray:
     """(..., 15) float32 of places (...) in `TAGS`."""
     return np.eye(len(TAGS), dtype=np.float32)[places]
+
+
+def _joined(pieces: Sequence[str], continues: str) -> tuple[list[str], list[int]]:
+    """Whole words of pieces, and to which of them each piece belongs."""
+    whole: list[str] = []
+    belongs: list[int] = []
+    for piece in pieces:
+        if whole and piece.startswith(continues):
+            whole[-1] += piece.removeprefix(continues)
+        else:
+            whole.append(piece.lower())
+        belongs.append(len(whole) - 1)
+    return whole, belongs
 
 
 @lru_cache(maxsize=8192)
@@ -210,6 +238,6 @@ def _wants_verb(told: Sequence[str], before: Sequence[str]) -> bool:
 
 
 __all__ = [
-    "KINDS", "OTHER", "PARTS_OF_SPEECH", "RELEASED", "TAGS", "one_hot", "parts_of_speech", "released_tag", "tags",
-    "tags_of_pieces", "words_of",
+    "KINDS", "OTHER", "PARTS_OF_SPEECH", "RELEASED", "SIDES", "TAGS", "one_hot", "parts_of_speech", "released_tag",
+    "sides_of_pieces", "tags", "tags_of_pieces", "words_of",
 ]  # fmt: skip

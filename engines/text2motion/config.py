@@ -34,6 +34,8 @@ class Text2MotionConfig(Config):
     """Attend to single words ("w/o Att")."""
     tags: bool = True
     """Tell parts of speech and kinds of motion words ("w/o PoS")."""
+    sides: bool = True
+    """Tell which words name a side or a way, and which; the paper's vectors of words need it less."""
     position: bool = True
     """Tell how many codes are still to come ("w/o PoE")."""
 
@@ -176,10 +178,10 @@ _NOT_NEGATIVE = (
 
 SMALL = Text2MotionConfig()
 PAPER = Text2MotionConfig(
-    text_encoder="glove", text_size=300, code_size=512, autoencoder_hidden=512, text_hidden=512, length_hidden=512,
-    attention_size=512, latent_size=128, latent_hidden=1024, motion_hidden=1024, shortest=40, kl_weight=0.01, kl_ramp=0,
-    teacher_forcing_first=0.4, teacher_forcing_steps=0, curriculum_steps=0, keep_short=False, texts_each=1,
-    label_balance=1.0, autoencoder_steps=100_000, length_steps=50_000, steps=300_000, learning_rate=2e-4,
+    text_encoder="glove", text_size=300, sides=False, code_size=512, autoencoder_hidden=512, text_hidden=512,
+    length_hidden=512, attention_size=512, latent_size=128, latent_hidden=1024, motion_hidden=1024, shortest=40,
+    kl_weight=0.01, kl_ramp=0, teacher_forcing_first=0.4, teacher_forcing_steps=0, curriculum_steps=0, keep_short=False,
+    texts_each=1, label_balance=1.0, autoencoder_steps=100_000, length_steps=50_000, steps=300_000, learning_rate=2e-4,
     final_learning_rate=2e-4, average=0.0,
 )  # fmt: skip
 """Thesis, section 4.4 "Implementation Details": sizes, weights, rates, teacher forcing, T_cur and T_max; the words of

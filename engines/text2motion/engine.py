@@ -272,17 +272,17 @@ class Text2MotionEngine:
         most = int(count.max())
         shape = (config.longest_codes, net.sizes.latent)
         noise = np.stack([stream.standard_normal(shape, dtype=np.float32)[:most] for stream in streams])
-        steps = self._packed.steps(net.reader(*read.rows(rows)), count, most)
+        steps = self._packed.steps(self.model.read(read.rows(rows)), count, most)
         scaled = torch.from_numpy(noise) * asked.temperature
         codes = generate(steps, self.model.start(len(count)), scaled, heat)
         return _Made(codes, count, frames)
 
     @torch.inference_mode()
     def _lengths(self, read: words.WordBatch) -> list[Lengths]:
-        net, config = self.model.text2length, self.config
-        if net is None:
+        config = self.config
+        if self.model.text2length is None:
             raise MotionloomError("these weights do not tell how long a motion is; say it (frames or seconds).")
-        logits = net(*read).double()
+        logits = self.model.length_logits(read).double()
         frames = UNIT * np.arange(1, config.classes + 1)
         allowed = frames >= config.shortest
         chances = logits[:, torch.from_numpy(allowed)].softmax(-1).numpy()

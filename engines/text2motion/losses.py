@@ -36,9 +36,8 @@ def autoencoder_terms(real: Tensor, made: Tensor, codes: Tensor, sparsity: float
 
 def text2length_losses(model: Text2Motion, batch: TextBatch) -> dict[str, Tensor]:
     """Cross entropy of the real lengths, a mean over sentences."""
-    assert model.text2length is not None
-    logits = model.text2length(batch.words.vectors, batch.words.tags, batch.words.lengths)
-    return {"length": nnf.cross_entropy(logits.float(), batch.units - 1, reduction="sum") / batch.sentences}
+    logits = model.length_logits(batch.words)
+    return {"length": nnf.cross_entropy(logits, batch.units - 1, reduction="sum") / batch.sentences}
 
 
 def text2motion_losses(  # noqa: PLR0913, PLR0917 - a batch, and how it is learned from
@@ -63,7 +62,7 @@ def text2motion_losses(  # noqa: PLR0913, PLR0917 - a batch, and how it is learn
     rows, steps = real.shape[:2]
     teacher = _drawn(torch.rand, (len(batch.features), texts), generator, share) < teacher_forcing
     noise = _drawn(torch.randn, (len(batch.features), texts, steps, net.sizes.latent), generator, share)
-    read = net.reader(batch.words.vectors, batch.words.tags, batch.words.lengths)
+    read = model.read(batch.words)
     count, whole = (values.repeat_interleave(texts) for values in (batch.count, batch.whole))
     told = unroll(net, read, real, whole, model.start(rows), noise.flatten(0, 1), teacher.flatten())
     there = torch.arange(steps, device=real.device) < count[:, None]

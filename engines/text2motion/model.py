@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from engines.features.humanml3d import HUMANML3D
-from engines.text.tags import TAGS
+from engines.text.tags import SIDES, TAGS
 from engines.text2motion.config import Text2MotionConfig
 from engines.text2motion.networks import (
     UNIT,
@@ -30,6 +30,7 @@ from engines.text2motion.networks import (
     WordReader,
     time_to_arrival,
 )
+from engines.text2motion.words import WordBatch
 
 LAYOUT = HUMANML3D.layout
 HIDDEN_FEATURES = LAYOUT.part("contacts").size
@@ -270,7 +271,7 @@ class Text2Motion(nn.Module):
         """The part that is trained now; the others evaluate, whatever mode the whole is in."""
         self.register_buffer("mean", torch.zeros(LAYOUT.size))
         self.register_buffer("std", torch.ones(LAYOUT.size))
-        tags = len(TAGS) if config.length_tags else 0
+        tags = len(TAGS) * config.length_tags
         hidden = (config.autoencoder_hidden, config.autoencoder_hidden)
         self.autoencoder = self.text2length = self.text2motion = None
         if "autoencoder" in config.parts and config.snippet_codes:
@@ -296,6 +297,19 @@ class Text2Motion(nn.Module):
         if part == "text2motion" and self.autoencoder is not None:
             self.autoencoder.decoder.requires_grad_(True)
         self.train(self.training)
+
+    def read(self, words: WordBatch) -> Read:
+        """Sentences as text2motion is told them."""
+        assert self.text2motion is not None
+        tags, sides = words.marks.split([len(TAGS), len(SIDES)], -1)
+        told = [part for part, wanted in ((tags, self.config.tags), (sides, self.config.sides)) if wanted]
+        marks = torch.cat(told, -1) if told else words.marks  # which are not looked at then
+        return self.text2motion.reader(words.vectors, marks, words.lengths)
+
+    def length_logits(self, words: WordBatch) -> Float[Tensor, "B L"]:
+        """What text2length says of sentences: a logit for 4, 8, ... frames."""
+        assert self.text2length is not None
+        return self.text2length(words.vectors, words.marks[..., : len(TAGS)], words.lengths).float()
 
     def normalised(self, features: Tensor) -> Tensor:
         """Features (..., D) as the networks see them."""
@@ -323,7 +337,7 @@ def sizes_of(config: Text2MotionConfig) -> Sizes:
     """Of the VAE of some settings."""
     return Sizes(
         word=config.text_size,
-        tags=len(TAGS) if config.tags else 0,
+        tags=len(TAGS) * config.tags + len(SIDES) * config.sides,
         text_hidden=config.text_hidden,
         attention=config.attention_size if config.attention else 0,
         latent=config.latent_size,

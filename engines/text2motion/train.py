@@ -36,12 +36,12 @@ _OF_PARTS: dict[str, tuple[str, ...]] = {
     "autoencoder": ("code_size", "autoencoder_hidden", "dropout"),
     "text2length": (*_OF_WORDS, "length_hidden", "length_tags"),
     "text2motion": (
-        *_OF_WORDS, "snippet_codes", "attention", "tags", "position", "text_hidden", "attention_size", "latent_size",
-        "latent_hidden", "motion_hidden",
+        *_OF_WORDS, "snippet_codes", "attention", "tags", "sides", "position", "text_hidden", "attention_size",
+        "latent_size", "latent_hidden", "motion_hidden",
     ),
 }  # fmt: skip
 """Settings that belong to weights that are there already."""
-_IDENTITY = ("text_encoder", "snippet_codes", "attention", "tags", "position", "words")
+_IDENTITY = ("text_encoder", "snippet_codes", "attention", "tags", "sides", "position", "words")
 CURRICULUM = "codes generated"
 """Name of the curriculum in checkpoints."""
 

@@ -1,4 +1,4 @@
-"""Sentences as the networks are told them: a vector and a tag for every token."""
+"""Sentences as the networks are told them: a vector, a tag and a side for every token."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from torch import Tensor
 
 from engines.text import TextEncoder
-from engines.text.tags import OTHER, one_hot, tags_of_pieces
+from engines.text.tags import OTHER, SIDES, one_hot, sides_of_pieces, tags_of_pieces
 from engines.tm2t.sentences import TokenVectors
 
 
@@ -19,8 +19,8 @@ class WordBatch(NamedTuple):
     """Sentences, padded."""
 
     vectors: Float[Tensor, "R N E"]
-    tags: Float[Tensor, "R N K"]
-    """One-hot."""
+    marks: Float[Tensor, "R N K"]
+    """Ones and zeros: which of `TAGS` a token is, then which of `SIDES` it names, if one."""
     lengths: Int[Tensor, " R"]
     """Tokens of each."""
 
@@ -31,21 +31,24 @@ class WordBatch(NamedTuple):
     def rows(self, places: Tensor) -> WordBatch:
         """Some of them, cut to the longest."""
         longest = int(self.lengths[places].max())
-        return WordBatch(self.vectors[places, :longest], self.tags[places, :longest], self.lengths[places])
+        return WordBatch(self.vectors[places, :longest], self.marks[places, :longest], self.lengths[places])
 
 
 def read(sentences: Sequence[str], encoder: TextEncoder) -> WordBatch:
     """Sentences that a person typed."""
     encoded = encoder.encode(list(sentences))
     lengths = encoded.mask.sum(1)
-    found = tags_of(sentences, encoder)
-    return WordBatch(encoded.tokens, _one_hot(found, encoded.tokens.shape[1]), lengths)
+    return WordBatch(encoded.tokens, _marked(marks_of(sentences, encoder), encoded.tokens.shape[1]), lengths)
 
 
-def tags_of(sentences: Sequence[str], encoder: TextEncoder) -> list[np.ndarray]:
-    """(N,) int8 places in `engines.text.tags.TAGS` of each sentence's tokens, start and end marks included."""
+def marks_of(sentences: Sequence[str], encoder: TextEncoder) -> list[np.ndarray]:
+    """(2, N) int8 places in `TAGS` and in `SIDES` (-1: none) of each sentence's tokens, start and end included."""
     return [
-        np.array([OTHER, *tags_of_pieces(pieces), OTHER], dtype=np.int8) for pieces in encoder.pieces(list(sentences))
+        np.array(
+            [[OTHER, *tags_of_pieces(pieces), OTHER], [-1, *sides_of_pieces(pieces), -1]],
+            dtype=np.int8,
+        )
+        for pieces in encoder.pieces(list(sentences))
     ]
 
 
@@ -60,20 +63,22 @@ class Captions:
 
     def __init__(self, sentences: Sequence[str], encoder: TextEncoder, vectors: TokenVectors) -> None:
         self.sentences, self.encoder, self.vectors = sentences, encoder, vectors
-        self._tags: dict[int, np.ndarray] = {}
+        self._marks: dict[int, np.ndarray] = {}
 
     def batch(self, places: np.ndarray) -> WordBatch:
         """Sentences at places (R,)."""
-        new = sorted({int(place) for place in places} - self._tags.keys())
-        self._tags |= dict(zip(new, tags_of([self.sentences[place] for place in new], self.encoder), strict=True))
+        new = sorted({int(place) for place in places} - self._marks.keys())
+        self._marks |= dict(zip(new, marks_of([self.sentences[place] for place in new], self.encoder), strict=True))
         vectors, lengths = self.vectors.rows(places)
-        found = [self._tags[int(place)] for place in places]
-        return WordBatch(vectors, _one_hot(found, vectors.shape[1]), lengths)
+        found = [self._marks[int(place)] for place in places]
+        return WordBatch(vectors, _marked(found, vectors.shape[1]), lengths)
 
 
-def _one_hot(found: Sequence[np.ndarray], width: int) -> Tensor:
-    """(R, width, K); what is past a sentence is OTHER."""
-    rows = np.full((len(found), width), OTHER, dtype=np.int64)
+def _marked(found: Sequence[np.ndarray], width: int) -> Tensor:
+    """(R, width, K); what is past a sentence is OTHER and names no side."""
+    rows = np.full((len(found), 2, width), -1, dtype=np.int64)
+    rows[:, 0] = OTHER
     for row, places in zip(rows, found, strict=True):
-        row[: len(places)] = places[:width]
-    return torch.from_numpy(one_hot(rows))
+        row[:, : places.shape[1]] = places[:, :width]
+    named = rows[:, 1, :, None] == np.arange(len(SIDES))
+    return torch.from_numpy(np.concatenate([one_hot(rows[:, 0]), named.astype(np.float32)], axis=-1))

@@ -69,6 +69,12 @@ def test_pieces_have_the_tag_of_their_word() -> None:
     assert len(tags.tags_of_pieces(pieces)) == len(pieces)
 
 
+def test_sides_are_told_apart() -> None:
+    pieces = ["left", "hand", "##s", "right", "##wards", "counter", "-", "clockwise", "clockwise", "counter", "##clock",
+              "##wise", "both", "back", "ahead"]  # fmt: skip
+    assert tags.sides_of_pieces(pieces) == [0, -1, -1, 1, 1, -1, -1, 6, 5, 6, 6, 6, 2, 4, 3]
+
+
 def test_whatever_is_typed_has_a_tag() -> None:
     for typed in ("", "?!", "œuvre naïve 12th", "x" * 500, "'s", "’s", "a-b"):
         found = tags.words_of(typed)

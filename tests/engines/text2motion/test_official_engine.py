@@ -125,7 +125,7 @@ def test_words_are_looked_up_as_the_release_has_them(folder: Path) -> None:
     expected = ["sos", "person", "walk", "wave", "the", "left", "hand", "unk", "eos"]
     np.testing.assert_allclose(read.vectors[0], np.stack([engine.words.vector(word) for word in expected]))
     assert unknown == ["quickly"]
-    kinds = [tags.TAGS[place] for place in read.tags[0].argmax(-1).tolist()]
+    kinds = [tags.TAGS[place] for place in read.marks[0].argmax(-1).tolist()]
     assert kinds == ["OTHER", "NOUN", "action", "VERB", "DET", "direction", "body part", "OTHER", "OTHER"]
     long, _ = engine.read("walk " * 40)
     assert long.vectors.shape[1] == official.SENTENCE + 2

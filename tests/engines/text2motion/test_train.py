@@ -115,9 +115,9 @@ def test_a_stage_asks_for_what_it_needs(stages, tmp_path: Path) -> None:
         fit("text2length", tmp_path / "lengths", stages["autoencoder"], changes={"length_steps": 1})
 
 
-@pytest.mark.parametrize("without", ["snippet_codes", "attention", "tags", "position"])
+@pytest.mark.parametrize("without", ["snippet_codes", "attention", "tags", "sides", "position"])
 def test_ablations_train_and_generate(stages, tmp_path: Path, without: str) -> None:
-    """The paper's "w/o SnC", "w/o Att", "w/o PoS" and "w/o PoE", from the same weights before."""
+    """The paper's "w/o SnC", "w/o Att", "w/o PoS" and "w/o PoE", and ours, from the same weights before."""
     path = tmp_path / "ablated.safetensors"
     state = fit("text2motion", tmp_path / "run", stages["text2length"], changes={without: False, "steps": 2})
     train.export(state, path)
@@ -261,7 +261,7 @@ def test_a_batch_is_what_the_clips_show() -> None:
     said = [FakeEncoder().encode([sentence]).tokens[0] for sentence in Said().sentences]
     for vectors, length in zip(batch.words.vectors, batch.words.lengths.tolist(), strict=True):
         assert any(len(one) == length and torch.allclose(one, vectors[:length], atol=2e-3) for one in said)
-    assert (batch.words.tags.sum(-1) == 1).all()
+    assert (batch.words.marks[..., :15].sum(-1) == 1).all()
 
 
 def test_all_stages_by_one_command(tmp_path: Path) -> None:
