@@ -12,6 +12,7 @@ import threading
 import uuid
 from collections.abc import Callable
 from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import engines
@@ -23,8 +24,10 @@ from studio.library import Library, Query
 from studio.library.query import tags as clean_tags
 from studio.pinning import Pinning
 from studio.projects import Projects
+from studio.settings import GenerateSettings
 from studio.state import StudioState
 from studio.takes import Take, TakeList, TakeStore
+from studio.varying import Varying
 from studio.wording import counted
 
 log = logging.getLogger(__name__)
@@ -62,6 +65,7 @@ class Session:
         self.files = Exchange(self)
         self.pins = Pinning(self)
         self.editing = Editing(self)
+        self.varying = Varying(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
         self._draws = 0
@@ -115,8 +119,16 @@ class Session:
         if self._draws and not state.seed_locked:
             state.seed = random.randrange(10_000)
         self._draws += 1
-        asked = state.generate_settings()
-        state.param.update(generating=True, generate_progress=0.0, generate_error="", generate_note="", tool="none")
+        self.ask(state.generate_settings())
+
+    def ask(self, asked: GenerateSettings) -> None:
+        """Draw takes by settings of any kind."""
+        state = self.state
+        if state.generating:
+            return
+        state.param.update(
+            generating=True, generate_progress=0.0, generate_error="", vary_error="", generate_note="", tool="none"
+        )
         takes = self.takes
         self._drawing = self.submit(
             f"{asked.count} × {asked.subject[:60]}",
@@ -133,6 +145,12 @@ class Session:
         """Draw once more with the settings of a take, on another seed."""
         take = self.state.take(take_id)
         if take is None or take.settings is None:
+            return
+        made = take.settings
+        if made.blend:
+            return
+        if made.then or (made.constraints and "constraints" not in self.state.capabilities):
+            self.ask(replace(made, seed=random.randrange(10_000), take=None))
             return
         self.restore(take.id)
         self.state.seed_locked = False
@@ -160,7 +178,7 @@ class Session:
             return
         state.generating = False
         if job.status == "failed":
-            state.generate_error = job.error
+            state.param.update(generate_error=job.error, vary_error=job.error)
         elif job.status == "cancelled":
             state.message = f"Cancelled: {job.title}"
         else:

@@ -32,6 +32,9 @@ MAX_FRAMES = 12000
 MAX_GUIDANCE = 10.0
 MAX_BEST_OF = 16
 MAX_PROMPT = 1000
+MAX_THEN = 32
+BLEND_STEPS = 21
+"""So many motions from one end of a blend to the other, both included."""
 VIDEO_FORMATS = ("mp4", "gif", "webm")
 FORMATS = (*VIDEO_FORMATS, "png", "bvh", "glb", "csv", "npz", "amass")
 """What can be exported: videos, a pose strip, BVH, skinned binary glTF, a table, the project's own lossless .npz,
@@ -80,6 +83,11 @@ class GenerateSettings:
     """So many are drawn for each that is kept, the one that moves best; 1 to 16."""
     constraints: Pinned = NOTHING
     """What is pinned: poses and frames to keep, a path, joints, a loop."""
+    then: tuple[tuple[str, int], ...] = ()
+    """What follows the action, in the same motion: (action, frames), ...; draw i has the seed `seed` + i."""
+    blend: Mapping[str, float] = field(default_factory=dict)
+    """On the way to another draw, `{"seed": 9, "take": 1, "share": 0.35}`: its seed, which of that draw, and how far
+    (0 to 1, in steps of 0.05). `take` says where it begins."""
 
     @property
     def subject(self) -> str:
@@ -98,6 +106,37 @@ class GenerateSettings:
             _within("take", self.take, 1, self.count)
         for joint, factor in self.bone_scale.items():
             _within(f"bone_scale[{joint!r}]", factor, 0.5, 2.0)
+        self._check_then()
+        self._check_blend()
+
+    @property
+    def length(self) -> int:
+        """Frames of each motion, what follows the first action included."""
+        return self.frames + sum(frames for _action, frames in self.then)
+
+    def _check_then(self) -> None:
+        object.__setattr__(self, "then", tuple((str(action), int(frames)) for action, frames in self.then))
+        _within("number of actions that follow", len(self.then), 0, MAX_THEN)
+        for _action, frames in self.then:
+            _within("frames of an action that follows", frames, 1, MAX_FRAMES)
+
+    def _check_blend(self) -> None:
+        if not self.blend:
+            return
+        if set(self.blend) != {"seed", "take", "share"}:
+            raise OutOfRangeError("blend", dict(self.blend), '{"seed": 9, "take": 1, "share": 0.35}')
+        _within("seed of the blend", self.blend["seed"], 0, MAX_SEED)
+        _within("take of the blend", self.blend["take"], 1, MAX_COUNT)
+        _within("share of the blend", self.blend["share"], 0.0, 1.0)
+        if abs(self.blend_step - self.blend["share"] * (BLEND_STEPS - 1)) > 1e-6:
+            raise OutOfRangeError("share of the blend", self.blend["share"], "0 to 1 in steps of 0.05")
+        if self.take is None:
+            raise OutOfRangeError("take", None, "which of the draw the blend begins with")
+
+    @property
+    def blend_step(self) -> int:
+        """Which of the `BLEND_STEPS` motions from end to end it is."""
+        return round(self.blend["share"] * (BLEND_STEPS - 1)) if self.blend else 0
 
 
 @dataclass(frozen=True)
@@ -165,6 +204,7 @@ class Settings:
         own = self.generate
         generate = {f.name: getattr(own, f.name) for f in fields(own)}
         generate |= {"bone_scale": dict(own.bone_scale), "constraints": own.constraints.to_json()}
+        generate |= {"then": [list(part) for part in own.then], "blend": dict(own.blend)}
         export = {**asdict(self.export), "formats": list(self.export.formats), "edits": list(self.export.edits)}
         text = json.dumps({"version": VERSION, "generate": generate, "export": export}, indent=2)
         # a row of numbers stays on one line; line breaks inside a string are escaped, so no string is touched
@@ -243,7 +283,8 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
     "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
     "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
-    "width": (int, type(None)), "height": (int, type(None)), "fps": (int, float, type(None)),
+    "then": (list,), "blend": (dict,), "width": (int, type(None)), "height": (int, type(None)),
+    "fps": (int, float, type(None)),
 }  # fmt: skip
 
 
@@ -266,7 +307,10 @@ def _fits(key: str, value: Any) -> bool:
     """Has a value the type of its key (a boolean is no number here)."""
     if isinstance(value, bool) or not isinstance(value, _TYPES[key]):
         return False
-    if key == "bone_scale":
+    if key == "then":
+        parts = [part for part in value if isinstance(part, list) and len(part) == 2]
+        return len(parts) == len(value) and all(isinstance(a, str) and type(n) is int for a, n in parts)
+    if key in ("bone_scale", "blend"):
         return all(isinstance(v, int | float) and not isinstance(v, bool) for v in value.values())
     return key not in ("formats", "edits") or all(isinstance(v, str) for v in value)
 

@@ -74,6 +74,19 @@ class StudioState(param.Parameterized):
     frame = param.Integer(-1, doc="Frame at which the player stands still; -1 while it plays or shows nothing.")
     pin_error = param.String("", doc="Why the last thing could not be pinned.")
 
+    # ---- variations of takes ----
+    blend_from = param.String("", doc="Id of the take that a blend begins with.")
+    blend_to = param.String("", doc="Id of the one it goes over to.")
+    blend_share = param.Number(0.5, bounds=(0, 1), doc="How far, in steps of 0.05.")
+    blend_ready = param.Boolean(False, doc="What lies between them is worked out.")
+    blend_strip = param.List([], doc="Pictures of what lies between, as data URIs, evenly from end to end.")
+    blend_problem = param.String("", doc="Why these two cannot be blended.")
+    blending = param.Boolean(False, doc="What lies between is being worked out.")
+    preview = param.Parameter((), doc="(name, Motion) pairs shown in place of the takes; empty: the takes.")
+    next_action = param.String("", doc="What follows where the playhead is; empty: as before.")
+    next_seconds = param.Number(2.0, bounds=(0.1, 600), doc="How long.")
+    vary_error = param.String("", doc="Why the last variation could not be made.")
+
     # ---- takes ----
     takes = param.Parameter((), doc="Every take, oldest first (studio.takes.Take).")
     selected = param.String("", doc="Id of the take that the inspector shows and an export writes.")
@@ -90,7 +103,9 @@ class StudioState(param.Parameterized):
     redo_name = param.String("", doc="What redo brings back.")
 
     # ---- which panels are open ----
-    compose_tab = param.Selector(default="action", objects=["action", "text", "import"], doc="Tab of the left panel.")
+    compose_tab = param.Selector(
+        default="action", objects=["action", "text", "vary", "import"], doc="Tab of the left panel."
+    )
     inspector_tab = param.Selector(default="details", objects=["details", "export"], doc="Tab of the inspector.")
 
     # ---- work in progress ----
@@ -123,7 +138,7 @@ class StudioState(param.Parameterized):
         self.param.watch(self._tab_changed, "compose_tab")
 
     def _tab_changed(self, event: Any) -> None:
-        if event.new != "import":
+        if event.new in ("action", "text"):
             self.request = event.new
 
     # ---- derived ------------------------------------------------------------------------------------------

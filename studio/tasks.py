@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 import engines
 from engines import Motion
 from engines.errors import Cancelled, MotionloomError
+from studio import variations
 from studio.jobs import Cancel, Progress
 from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
 
@@ -58,6 +59,9 @@ def generate(
         Cancelled: `cancel()` said so.
     """
     engine = load_engine(settings.engine, settings.variant)
+    if settings.then or settings.blend or variations.goes_on(settings, engine):
+        motions = variations.make(settings, engine, progress, cancel)
+        return motions if settings.take is None or settings.blend else [motions[settings.take - 1]]
     extra = told(settings, engine)
     motions = engine.generate_many(
         settings.action or None,
@@ -71,8 +75,13 @@ def generate(
     return list(motions) if settings.take is None else [motions[settings.take - 1]]
 
 
-def told(settings: GenerateSettings, engine: Any) -> dict[str, Any]:
+def told(settings: GenerateSettings, engine: Any, without: Collection[str] = ()) -> dict[str, Any]:
     """What an engine is told beyond action, count, frames and seed: only what its capabilities have.
+
+    Args:
+        settings: what is asked.
+        engine: who is asked.
+        without: settings that are told in another way, or not at all.
 
     Raises:
         MotionloomError: something else was asked for.
@@ -80,6 +89,8 @@ def told(settings: GenerateSettings, engine: Any) -> dict[str, Any]:
     usual = GenerateSettings(engine=settings.engine)
     extra: dict[str, Any] = {}
     for capability, (name, words) in ASKED.items():
+        if name in without:
+            continue
         value = getattr(settings, name)
         if capability in engine.capabilities:
             if value != getattr(usual, name) or name in _ALWAYS:

@@ -61,6 +61,9 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         float | None, typer.Option(metavar="X", help="How closely the request is followed, 0-10.")
     ] = None,
     best_of: Annotated[int | None, typer.Option(metavar="N", help="Draw N for each one and keep the best.")] = None,
+    then: Annotated[
+        list[str] | None, typer.Option(metavar="ACTION:FRAMES", help="What follows in the same motion; repeatable.")
+    ] = None,
     path: Annotated[str | None, typer.Option(metavar='"X,Z X,Z ..."', help="Way on the floor, metres.")] = None,
     begin_with: Annotated[
         str | None, typer.Option(metavar="FILE[:FRAMES]", help="Begin with the frames of a file and go on.")
@@ -88,6 +91,8 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom generate walk --path "0,0 0,2 2,3" --begin-with walk.bvh:20 --pose sit.bvh:0@90 --frames 100
 
+    motionloom generate walk --frames 40 --then "turn left:40" --then run:60
+
     motionloom generate --settings take-2.json     (a take from the app, once more)
 
     motionloom generate --list-actions
@@ -99,7 +104,7 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         settings, action="" if words_alone else action, prompt=prompt, style=style, guidance=guidance,
         best_of=best_of, count=count, frames=frames, seed=seed, take=take, engine=engine, variant=variant,
         bone_scale=parse_factors(bone_scale), formats=parse_formats(formats), width=width, height=height, fps=fps,
-        camera=camera, edits=tuple(edit) if edit else None,
+        camera=camera, then=parse_then(then), edits=tuple(edit) if edit else None,
     )  # fmt: skip
     if list_actions:
         _print_actions(wanted.generate)
@@ -112,6 +117,17 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     _generate_and_write(wanted, folder, name)
     if save_settings is not None:
         typer.echo(write_settings(wanted, save_settings))
+
+
+def parse_then(items: list[str] | None) -> tuple[tuple[str, int], ...] | None:
+    """`["run:40"]` -> (("run", 40),); nothing given stays None."""
+    parts = []
+    for item in items or ():
+        action, colon, frames = item.rpartition(":")
+        if not colon or not frames.strip().isdigit():
+            raise OutOfRangeError("--then", item, "ACTION:FRAMES, as in run:40")
+        parts.append((" ".join(action.lower().split()), int(frames)))
+    return tuple(parts) or None
 
 
 def _destination(wanted: Settings, out: Path, one_by_default: bool) -> tuple[Settings, Path, str | None]:

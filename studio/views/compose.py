@@ -13,6 +13,7 @@ from studio.exchange import IMPORTS, UPLOAD_LIMIT
 from studio.pinned import JOINTS
 from studio.session import Session
 from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_PROMPT
+from studio.varying import VARIES
 from studio.views.binding import follow, tie
 from studio.views.forms import column, dressed, fold, html, row
 from studio.views.parts import (
@@ -27,6 +28,7 @@ from studio.views.parts import (
     Segments,
     Upload,
 )  # fmt: skip
+from studio.views.vary import vary
 
 EXAMPLES = (
     "a person walks forward and turns left",
@@ -46,7 +48,8 @@ def compose_tabs(session: Session) -> Segments:
 
     def kinds() -> dict[str, Any]:
         words = [("text", "Text")] if "text" in state.capabilities else []
-        return {"options": [("action", "Action"), *words, ("import", "Import")]}
+        variations = [("vary", "Vary")] if state.capabilities & VARIES else []
+        return {"options": [("action", "Action"), *words, *variations, ("import", "Import")]}
 
     follow(tabs, state, ["capabilities"], kinds)
     return tabs
@@ -59,14 +62,16 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
     folds = column(_constraints(session), _advanced(session), gap=6)
     asked = column(field, words, _shape(session), folds, gap=10)
     files = column(_upload(session), html(_readable()), gap=18)
+    varied = vary(session)
 
     def show(*_: Any) -> None:
-        asked.visible, files.visible = state.compose_tab != "import", state.compose_tab == "import"
-        field.visible, words.visible = state.compose_tab != "text", state.compose_tab == "text"
+        tab = state.compose_tab
+        asked.visible, files.visible, varied.visible = tab in ("action", "text"), tab == "import", tab == "vary"
+        field.visible, words.visible = tab != "text", tab == "text"
 
     state.param.watch(show, "compose_tab")
     show()
-    return column(asked, files, gap=0)
+    return column(asked, varied, files, gap=0)
 
 
 def _prompt(session: Session) -> Prompt:
@@ -302,7 +307,7 @@ def generate_button(session: Session) -> Generate:
         return {"problem": state.problem(), "forecast": state.forecast(), "named": named}
 
     follow(button, state, asked + known, show)
-    follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab != "import"})
+    follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab in ("action", "text")})
     button.on("generate", lambda _: session.generate())
     button.on("cancel", lambda _: session.cancel_generate())
     return button

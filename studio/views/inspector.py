@@ -132,7 +132,9 @@ def _made(take: Take) -> str:
             "Prompt": escape(drawn.prompt),
             "Style": escape(drawn.style),
             "Pinned": "<br>".join(escape(words) for words in _pinned(drawn, motion.fps)),
+            "Then": escape(", ".join(f"{action} {frames / motion.fps:.1f} s" for action, frames in drawn.then)),
             "Seed": f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
+            "Blend": _blend(drawn),
             "Length": length,
             "Proportions": escape(scaled),
             "Guidance": f"{drawn.guidance:g}" if "guidance" in made.parameters else "",
@@ -140,6 +142,14 @@ def _made(take: Take) -> str:
         }
     rows["Shown with"] = escape(", ".join(WORDS[name].lower() for name in take.edits if name in WORDS))
     return _section(f"What made {take.title.lower()}", rows)
+
+
+def _blend(drawn: GenerateSettings) -> str:
+    """How far it lies on the way to another draw."""
+    if not drawn.blend:
+        return ""
+    to = drawn.blend
+    return f"{100 * to['share']:.0f} % towards seed {to['seed']:.0f}<small>draw {to['take']:.0f}</small>"
 
 
 def _pinned(drawn: GenerateSettings, fps: float) -> list[str]:

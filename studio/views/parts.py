@@ -143,6 +143,31 @@ class Constraints(Part):
     _stylesheets = _style("constraints")
 
 
+class Vary(Part):
+    """What can be made of takes: a blend of two, other ways on from the playhead."""
+
+    sources = param.List([], doc="Dicts id, text: takes that may be blended.")
+    first = param.String("")
+    second = param.String("")
+    share = param.Number(0.5)
+    strip = param.List([], doc="Pictures from one to the other.")
+    between = param.Boolean(False, doc="What lies between is there.")
+    problem = param.String("")
+    mixing = param.Boolean(False)
+    selected = param.String("")
+    actions = param.List([], doc="Names of what may follow.")
+    action = param.String("")
+    seconds = param.Number(2.0)
+    count = param.Integer(4)
+    at = param.String("", doc="Where the playhead is.")
+    busy = param.Boolean(False)
+    error = param.String("")
+    change_problem = param.String("")
+    go_problem = param.String("")
+    _esm = _script("vary")
+    _stylesheets = _style("vary")
+
+
 class ActionGrid(Part):
     """The actions to choose from."""
 

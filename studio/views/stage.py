@@ -46,21 +46,19 @@ class _Stage:
         self.ids: list[str] = []
         """The takes on it, in its order."""
         self.motions: list[Motion] = []
-        session.state.param.watch(self._show, ["shown", "takes", "edited"])
+        session.state.param.watch(self._show, ["shown", "takes", "edited", "preview"])
         session.state.param.watch(self._reselect, "selected")
         self._show()
 
     def _show(self, *_: Any) -> None:
         """Show the takes as they are now; nothing is sent where all are as before."""
-        state = self.session.state
-        takes = [take for take in map(state.take, state.shown) if take is not None]
-        there = {take.id: (take.title, motion) for take in takes if (motion := self.session.editing.motion(take))}
-        names, motions = [name for name, _ in there.values()], [motion for _, motion in there.values()]
+        there = self._there()
+        ids, names, motions = [row[0] for row in there], [row[1] for row in there], [row[2] for row in there]
         same = len(motions) == len(self.motions) and all(map(is_, motions, self.motions))
-        if list(there) == self.ids and same:
+        if ids == self.ids and same:
             self._reselect()
             return
-        self.ids, self.motions = list(there), motions
+        self.ids, self.motions = ids, motions
         self.place.visible = bool(motions)
         if self.player is not None and motions:
             self.player.show_motions(motions, names)
@@ -69,13 +67,24 @@ class _Stage:
             self.place.append(self.player)
         self._reselect()
 
+    def _there(self) -> list[tuple[str, str, Motion]]:
+        """(id, name, motion) of all that is to be seen; ids are empty in a preview."""
+        state = self.session.state
+        if state.preview:
+            return [("", name, motion) for name, motion in state.preview]
+        takes = [take for take in map(state.take, state.shown) if take is not None]
+        return [(take.id, take.title, motion) for take in takes if (motion := self.session.editing.motion(take))]
+
     def _reselect(self, *_: Any) -> None:
         selected = self.session.state.selected
         if self.player is None:
             return
         take = self.session.takes.get(selected)
         self.player.edits = ",".join(take.edits) if take else ""
-        self.player.selected = self.ids.index(selected) if selected in self.ids else 0
+        if self.session.state.preview:
+            self.player.selected = len(self.ids) // 2
+        else:
+            self.player.selected = self.ids.index(selected) if selected in self.ids else 0
 
     def _make(self, names: list[str]) -> Any:
         from viewers.web.player import PanelPlayer
@@ -97,7 +106,7 @@ class _Stage:
     # ---- what the person does in it -----------------------------------------------------------------------
 
     def _picked(self, event: Any) -> None:
-        if 0 <= event.new < len(self.ids):
+        if 0 <= event.new < len(self.ids) and self.ids[event.new]:
             self.session.select(self.ids[event.new])
 
     def _moved(self, *_: Any) -> None:

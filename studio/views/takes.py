@@ -8,6 +8,7 @@ from typing import Any
 from studio.edits import WORDS
 from studio.quality import measures
 from studio.session import Session
+from studio.settings import GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.parts import TakeGallery
@@ -39,16 +40,23 @@ def gallery(session: Session) -> TakeGallery:
     return part
 
 
+def drawn_from(made: GenerateSettings) -> str:
+    """Which draw a take is, in a line."""
+    if made.blend:
+        return f"{100 * made.blend['share']:.0f} % of the way · seeds {made.seed}, {made.blend['seed']:.0f}"
+    return f"seed {made.seed} · {made.take} of {made.count}"
+
+
 def card(take: Take, metrics: Mapping[str, float]) -> dict[str, Any]:
     """What the gallery shows of a take; `metrics` are those of the take as it is shown, edits and all."""
     seconds = duration(take.duration)
     drawn = take.settings
-    line = f"seed {drawn.seed} · {drawn.take} of {drawn.count}" if drawn else f"{take.frames:,} frames"
+    line = drawn_from(drawn) if drawn else f"{take.frames:,} frames"
     return {
         "id": take.id,
         "title": take.title,
         "subject": take.subject,
-        "about": f"{drawn.count} × {seconds}" if drawn else f"imported · {seconds}",
+        "about": f"{1 if drawn.blend else drawn.count} × {seconds}" if drawn else f"imported · {seconds}",
         "line": line,
         "group": take.group,
         "measures": [
@@ -57,7 +65,7 @@ def card(take: Take, metrics: Mapping[str, float]) -> dict[str, Any]:
         ],
         "favourite": take.favourite,
         "accepted": take.accepted,
-        "again": drawn is not None,
+        "again": drawn is not None and not drawn.blend,
         "tags": list(take.tags),
         "edits": [WORDS[name] for name in take.edits if name in WORDS],
     }

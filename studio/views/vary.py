@@ -1,0 +1,44 @@
+"""Vary: what can be made of takes that are there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from studio.session import Session
+from studio.takes import Take
+from studio.views.binding import follow, tie
+from studio.views.parts import Vary
+
+
+def vary(session: Session) -> Vary:
+    """A blend of two takes, another action from the playhead on, other ways to go on."""
+    state, varying = session.state, session.varying
+    part = Vary(sizing_mode="stretch_width", margin=0)
+    tie(
+        part, state, first="blend_from", second="blend_to", share="blend_share", strip="blend_strip",
+        problem="blend_problem", between="blend_ready", mixing="blending", selected="selected", action="next_action",
+        seconds="next_seconds", count="count", busy="generating", error="vary_error",
+    )  # fmt: skip
+    follow(part, state, ["takes"], lambda: {"sources": [_entry(take) for take in varying.sources()]})
+    follow(part, state, ["actions"], lambda: {"actions": [action.name for action in state.actions]})
+    follow(part, state, ["playhead"], lambda: {"at": f"{state.playhead:.1f} s"})
+    follow(part, state, ["capabilities", "selected", "takes", "engine"], lambda: dict(_problems(session)))
+    acts = {
+        "keep": varying.keep, "change": varying.change, "go_on": varying.go_on, "cancel": session.cancel_generate,
+    }  # fmt: skip
+    for what, act in acts.items():
+        part.on(what, lambda _message, act=act: act())
+    return part
+
+
+def _entry(take: Take) -> dict[str, str]:
+    """A take to choose."""
+    return {"id": take.id, "text": f"{take.title} · {take.subject[:24]}"}
+
+
+def _problems(session: Session) -> dict[str, Any]:
+    """Why the engine cannot do it."""
+    return {
+        "go_problem": session.varying.go_problem(),
+        "change_problem": session.varying.change_problem(),
+    }
