@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -65,15 +64,8 @@ def start(
     model = Action2Motion(config)
     if config.normalise:
         model.pose_mean, model.pose_std, model.velocity_std = sequences.statistics()
-    told = TrainingPlan(
-        steps=config.steps,
-        learning_rate=config.learning_rate,
-        final_learning_rate=config.final_learning_rate,
-        weight_decay=config.weight_decay,
-        seed=seed,
-    )
     identity = {"engine": "action2motion", **{name: getattr(config, name) for name in _IDENTITY}}
-    return TrainingState(model, replace(told, **(plan or {})), identity=identity), sequences
+    return TrainingState(model, TrainingPlan.of(config, seed, **(plan or {})), identity=identity), sequences
 
 
 def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two optional

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -130,13 +129,7 @@ def read(path: Path) -> Stylizer:
 
 def _plan(config: StylizationConfig, stage: Stage, seed: int, changes: Mapping[str, Any]) -> TrainingPlan:
     steps = {"autoencoder": config.autoencoder_steps, "regressor": config.regressor_steps, "style": config.steps}
-    told = TrainingPlan(
-        steps=steps[stage],
-        learning_rate=config.learning_rate,
-        final_learning_rate=config.final_learning_rate,
-        seed=seed,
-    )
-    return replace(told, **changes)
+    return TrainingPlan.of(config, seed, **{"steps": steps[stage], **changes})
 
 
 def _parameters(model: Stylizer, stage: Stage) -> list[nn.Parameter]:

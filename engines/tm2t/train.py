@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -123,7 +122,7 @@ def start(  # noqa: PLR0913 - what a training begins from
         source = data.Pairs(clips, model, material.told, material.vectors)
     return TrainingState(
         model,
-        replace(_plan(config, seed), **(plan or {})),
+        TrainingPlan.of(config, seed, **{"optimiser": "adamw" if config.weight_decay else "adam", **(plan or {})}),
         groups=[{"params": [p for p in model.parameters() if p.requires_grad]}],
         identity=_identity(model.config, stage, base),
     ), source
@@ -291,19 +290,6 @@ def _joined(config: TM2TConfig, earlier: TM2TConfig, stage: str) -> TM2TConfig:
         kept += ("text_encoder", "text_size", "text_hidden", "motion_hidden", "motion_layers", "late_attention")
         kept += ("backbone", "t2m_layers", "width", "inner", "heads", "head_size")
     return config.replaced(**{name: getattr(earlier, name) for name in kept}, extra=dict(earlier.extra))
-
-
-def _plan(config: TM2TConfig, seed: int) -> TrainingPlan:
-    return TrainingPlan(
-        steps=config.steps,
-        learning_rate=config.learning_rate,
-        final_learning_rate=config.final_learning_rate,
-        weight_decay=config.weight_decay,
-        optimiser="adamw" if config.weight_decay else "adam",
-        clip_norm=config.clip_norm,
-        average=config.average,
-        seed=seed,
-    )
 
 
 def _identity(config: TM2TConfig, stage: str, base: Path | None) -> dict[str, Any]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, fields
+from typing import Any, Literal
 
 from engines.errors import OutOfRangeError
 from engines.training.schedules import Constant, Cosine, Schedule, Steps
@@ -49,6 +49,18 @@ class TrainingPlan:
                 raise OutOfRangeError(name, value, f"{least} or more")
         if not 0.0 <= self.average < 1.0:
             raise OutOfRangeError("average", self.average, "0 up to, but not, 1")
+
+    @classmethod
+    def of(cls, config: Any, seed: int = 0, **changes: Any) -> TrainingPlan:
+        """The plan that an engine's settings describe.
+
+        Args:
+            config: each field of a plan that it has by the same name is taken.
+            seed: see `seed`.
+            changes: fields that are otherwise.
+        """
+        told = {field.name: getattr(config, field.name) for field in fields(cls) if hasattr(config, field.name)}
+        return cls(**{**told, "seed": seed, **changes})
 
     def rate(self, step: int) -> float:
         """Learning rate of a step: linear warm-up, times the schedule."""

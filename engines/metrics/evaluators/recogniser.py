@@ -18,7 +18,7 @@ from torch import Tensor, nn
 
 from engines.config import Config
 from engines.errors import UnknownLabelError
-from engines.metrics.evaluators.trunk import Trunk, describe, pad
+from engines.metrics.evaluators.trunk import CHANNELS, HANDS, Trunk, describe, pad
 from engines.metrics.recognition import Recognised
 from engines.motion import Motion
 from engines.weights_file import SHIPPED, fill, read_settings
@@ -43,7 +43,7 @@ class RecogniserConfig(Config):
     batch_size: int = 64
     learning_rate: float = 2e-3
     weight_decay: float = 1e-2
-    smoothing: float = 0.1
+    smoothing: float = 0.05
     """Of the labels."""
     extra: dict[str, Any] = field(default_factory=dict)
     """Notes that travel with the weights."""
@@ -53,9 +53,9 @@ class RecogniserNet(Trunk):
     """The trunk, features, and a score a label."""
 
     def __init__(self, config: RecogniserConfig) -> None:
-        super().__init__(config.width, config.dropout / 2)
+        super().__init__(config.width, config.dropout / 2, CHANNELS + 2 * HANDS)
         self.config = config
-        self.features = nn.Linear(2 * config.width, config.features)
+        self.features = nn.Linear(3 * config.width, config.features)
         self.output = nn.Linear(config.features, len(config.labels))
 
     def forward(self, frames: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
@@ -78,7 +78,7 @@ class Recogniser:
         logits, features = [], []
         with torch.inference_mode():
             for start in range(0, len(motions), 256):
-                made = self.net(*pad([describe(motion) for motion in motions[start : start + 256]]))
+                made = self.net(*pad([describe(motion, hands=True) for motion in motions[start : start + 256]]))
                 logits.append(made[0].double().numpy())
                 features.append(made[1].double().numpy())
         return Recognised(features=np.concatenate(features), logits=np.concatenate(logits))

@@ -16,7 +16,7 @@ from engines.datasets import Clip
 from engines.errors import MotionloomError
 from engines.geometry.mirror import mirror_words
 from engines.metrics.evaluators.recogniser import Recogniser, RecogniserConfig, RecogniserNet, Task
-from engines.metrics.evaluators.trunk import BONES, describe
+from engines.metrics.evaluators.trunk import BONES, CHANNELS, HANDS, describe, quickened
 from engines.training.loop import TrainingPlan, TrainingState, train
 
 WINDOW = 100
@@ -43,11 +43,11 @@ class Windows:
             name = label_of(clip, task)
             if name is None:
                 continue
-            rows.append(describe(clip.motion))
+            rows.append(describe(clip.motion, hands=True))
             names.append(name)
             mirrored = name if task == "style" else mirror_words(name)
             if task == "style" or vocabulary.get(name).mirrors:
-                rows.append(describe(clip.motion.mirror()))
+                rows.append(describe(clip.motion.mirror(), hands=True))
                 names.append(mirrored)
         if not rows:
             raise MotionloomError(f"no clip has a label for the task {task!r}; prepare data that does.")
@@ -63,7 +63,8 @@ class Windows:
         made = [self._window(self.rows[pick], rng) for pick in picks]
         frames = np.stack([frames for frames, _ in made])
         # other people hold their limbs a little differently, and every camera trembles
-        frames[..., :BONES] += rng.normal(scale=0.05, size=(size, 1, BONES))
+        for part in (slice(0, BONES), slice(CHANNELS, CHANNELS + HANDS)):
+            frames[..., part] += rng.normal(scale=0.05, size=(size, 1, part.stop - part.start))
         frames += rng.normal(scale=0.01, size=frames.shape)
         mask = np.arange(WINDOW) < np.array([there for _, there in made])[:, None]
         return torch.from_numpy(frames), torch.from_numpy(mask), torch.from_numpy(self.names[picks])
@@ -79,9 +80,7 @@ class Windows:
         low = at.astype(int)
         share = (at - low)[:, None].astype(np.float32)
         made = (1 - share) * row[low] + share * row[np.minimum(low + 1, len(row) - 1)]
-        made[:, BONES : 2 * BONES] *= speed
-        made[:, -3:] *= speed
-        return made, there
+        return quickened(made, speed), there
 
 
 def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two optional
@@ -98,15 +97,7 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but two op
     torch.manual_seed(seed)
     net = RecogniserNet(config)
     net.scale_to(windows.rows)
-    plan = TrainingPlan(
-        steps=config.steps,
-        learning_rate=config.learning_rate,
-        final_learning_rate=1e-5,
-        weight_decay=config.weight_decay,
-        average=0.995,
-        seed=seed,
-    )
-    state = TrainingState(net, plan)
+    state = TrainingState(net, TrainingPlan.of(config, seed, final_learning_rate=1e-5, average=0.995))
     if checkpoint and checkpoint.exists():
         state.restore(checkpoint)
 

@@ -126,16 +126,9 @@ def fit(  # noqa: PLR0913, PLR0917 - what a training needs, each part but three 
     torch.manual_seed(seed)
     net = CoEmbeddingNet(config)
     net.motions.scale_to(pairs.rows)
-    plan = TrainingPlan(
-        steps=config.steps,
-        learning_rate=config.learning_rate,
-        final_learning_rate=1e-5,
-        weight_decay=config.weight_decay,
-        optimiser="adamw",
-        average=0.995,
-        seed=seed,
+    state = TrainingState(
+        net, TrainingPlan.of(config, seed, final_learning_rate=1e-5, optimiser="adamw", average=0.995)
     )
-    state = TrainingState(net, plan)
     if checkpoint and checkpoint.exists():
         state.restore(checkpoint)
 

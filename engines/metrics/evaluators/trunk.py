@@ -1,7 +1,7 @@
 """What the evaluators see of a motion, and the convolutions they look at it with.
 
 They see bone directions in the body's own heading: neither where the body stands nor which way it faces nor how long
-its bones are.
+its bones are. Hands are no bones of smpl22, but wrists turn: some people wave with the hand alone.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ FPS = 20.0
 BONES = 3 * (len(SMPL22) - 1)
 CHANNELS = 2 * BONES + 4
 """Bone directions, how they change from frame to frame, root height and root velocity."""
+HANDS = 2 * 3
+"""Directions of both hands, and as many again for how they change: only the recognisers see them."""
 STRIDES = (2, 1, 2, 1, 1)
 """Of the convolutions over time: half and quarter rate."""
 _GAP = 2 * 4
@@ -48,21 +50,22 @@ class Trunk(nn.Module):
     Args:
         width: channels.
         dropout: share of values left out between the convolutions while training.
+        channels: of a frame.
     """
 
     mean: Tensor
     std: Tensor
 
-    def __init__(self, width: int, dropout: float) -> None:
+    def __init__(self, width: int, dropout: float, channels: int = CHANNELS) -> None:
         super().__init__()
-        sizes = [CHANNELS, *[width] * (len(STRIDES) - 1)]
+        sizes = [channels, *[width] * (len(STRIDES) - 1)]
         self.convolutions = nn.ModuleList(
             nn.Conv1d(size, width, 5, stride=stride, padding=2) for size, stride in zip(sizes, STRIDES, strict=True)
         )
         self.norms = nn.ModuleList(nn.BatchNorm1d(width) for _ in STRIDES)
         self.dropout = dropout
-        self.register_buffer("mean", torch.zeros(CHANNELS))
-        self.register_buffer("std", torch.ones(CHANNELS))
+        self.register_buffer("mean", torch.zeros(channels))
+        self.register_buffer("std", torch.ones(channels))
 
     def scale_to(self, rows: Sequence[np.ndarray]) -> None:
         """See frames relative to the mean and deviation of these descriptions (T, C)."""
@@ -71,14 +74,19 @@ class Trunk(nn.Module):
         self.std.copy_(torch.from_numpy(np.maximum(frames.std(0), 0.05)))
 
     def pooled(self, frames: Tensor, mask: Tensor) -> Tensor:
-        """Frames (B, T, C) and which of them are there (B, T) -> mean and maximum over time (B, 2 * width)."""
+        """Frames (B, T, C), those that are there (B, T) -> mean, maximum and deviation over time (B, 3 * width).
+
+        A hand that is waved differs from one that is held up in how much it moves about its mean.
+        """
         x, there = self._convolved(frames, mask)
-        mean = x.sum(-1) / there.sum(-1)
+        count = there.sum(-1)
+        mean = x.sum(-1) / count
         top = x.masked_fill(there == 0, -1e4).amax(-1)
-        return torch.cat([mean, top], dim=-1)
+        spread = ((x - mean[..., None]).square() * there).sum(-1) / count
+        return torch.cat([mean, top, (spread + 1e-4).sqrt()], dim=-1)
 
     def pooled_in_row(self, row: InRow) -> Tensor:
-        """The same of motions one behind the other: (B, 2 * width). Several times faster, as nothing is padded."""
+        """Mean and maximum of motions one behind the other: (B, 2 * width). Several times faster: nothing is padded."""
         x, there = self._convolved(row.frames[None], row.owner[None] >= 0)
         x = x[0].mT[there[0, 0] > 0]  # (frames, width)
         owner = row.owner[:: math.prod(STRIDES)]
@@ -101,12 +109,13 @@ class Trunk(nn.Module):
         return x, there
 
 
-def describe(motion: Motion, longest: int = LONGEST) -> np.ndarray:
+def describe(motion: Motion, longest: int = LONGEST, hands: bool = False) -> np.ndarray:
     """(T, C) what the networks see of a motion, float32; brought to smpl22 and 20 fps where it is not.
 
     Args:
         motion: of any skeleton and rate.
         longest: frames looked at; of a longer motion the middle.
+        hands: which way the hands point as well.
     """
     house = motion if motion.skeleton is SMPL22 else motion.retarget(SMPL22)
     house = house if house.fps == FPS else house.resample(FPS)
@@ -123,7 +132,16 @@ def describe(motion: Motion, longest: int = LONGEST) -> np.ndarray:
     made[:, :BONES], made[1:, BONES : 2 * BONES] = flat, np.diff(flat, axis=0)
     made[:, -4] = house.positions[:, 0, 1]
     made[1:, -3:] = np.stack([step[:, 0], step[:, 2], np.diff(yaw)], axis=-1)
-    return made
+    return np.concatenate([made, _hands(house, back)], axis=1) if hands else made
+
+
+def _hands(house: Motion, back: np.ndarray) -> np.ndarray:
+    """(T, 2 * `HANDS`) where the hands point, on from the forearms at rest, and how that changes."""
+    wrists = [SMPL22.index(f"{side}_wrist") for side in ("left", "right")]
+    ahead = SMPL22.offsets[wrists] / np.linalg.norm(SMPL22.offsets[wrists], axis=-1, keepdims=True)
+    way = np.einsum("tjab,jb->tja", house.global_rotations[:, wrists], ahead)
+    way = rotations.rotate(back[:, None], way).reshape(len(house), -1)
+    return np.concatenate([way, np.diff(way, axis=0, prepend=way[:1])], axis=1).astype(np.float32)
 
 
 def pad(rows: Sequence[np.ndarray]) -> tuple[Tensor, Tensor]:
@@ -151,6 +169,12 @@ def sampled(row: np.ndarray, at: np.ndarray, speed: float) -> np.ndarray:
     low = np.clip(at, 0, len(row) - 1).astype(int)
     share = (np.clip(at, 0, len(row) - 1) - low)[:, None].astype(np.float32)
     made = (1 - share) * row[low] + share * row[np.minimum(low + 1, len(row) - 1)]
+    return quickened(made, speed)
+
+
+def quickened(made: np.ndarray, speed: float) -> np.ndarray:
+    """A description (T, C) whose changes are `speed` times as fast; changed in place."""
     made[:, BONES : 2 * BONES] *= speed
-    made[:, -3:] *= speed
+    made[:, CHANNELS - 3 : CHANNELS] *= speed
+    made[:, CHANNELS + HANDS :] *= speed
     return made

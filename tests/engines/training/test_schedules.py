@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -76,3 +77,11 @@ def test_a_curriculum_that_cannot_be_is_refused() -> None:
         LengthCurriculum(60, 50)
     with pytest.raises(OutOfRangeError, match="accepted: fit"):
         LengthCurriculum().validated({"fit": 1.0})
+
+
+def test_a_plan_takes_what_the_settings_have_by_its_names() -> None:
+    settings = SimpleNamespace(steps=30, learning_rate=0.1, final_learning_rate=0.01, clip_norm=2.0, width=64)
+    plan = TrainingPlan.of(settings, 5, clip_norm=3.0, patience=2)
+    assert plan == TrainingPlan(30, 0.1, 0.01, clip_norm=3.0, patience=2, seed=5)
+    with pytest.raises(TypeError, match="nonsense"):
+        TrainingPlan.of(settings, nonsense=1)

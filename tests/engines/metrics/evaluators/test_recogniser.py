@@ -47,7 +47,7 @@ def test_neither_place_nor_heading_nor_rate_nor_bone_lengths_count() -> None:
 
 def test_padding_changes_nothing() -> None:
     made = net()
-    rows = [trunk.describe(movement(length)) for length in (23, 60, 41)]
+    rows = [trunk.describe(movement(length), hands=True) for length in (23, 60, 41)]
     together = made(*trunk.pad(rows))
     for i, row in enumerate(rows):
         alone = made(*trunk.pad([row]))
