@@ -51,6 +51,7 @@ export class Actor {
     this.bones.fade(faint ? BEHIND : 1);
     if (this.skin) {
       this.solid.visible = dressed;
+      this.solid.castShadow = !faint; // of figures in one place only the picked one's shadow is told apart
       this.depth.visible = dressed && (xray || faint);
       this.outline.visible = dressed && marked;
       this.material.transparent = xray || faint;
@@ -64,7 +65,8 @@ export class Actor {
     }
     this.trail.object.visible = trail && !inPlace;
     this.trail.paint(selected || !several ? theme.accent : this.take.colour);
-    this.rings.object.visible = contacts;
+    this.shadows.object.visible = !faint;
+    this.rings.object.visible = contacts && !faint;
     this.rings.paint(theme.contact);
     this.ghosts.object.visible = ghosts > 0 && (selected || !several);
   }

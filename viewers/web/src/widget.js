@@ -62,7 +62,7 @@ export class Widget {
     player.addEventListener("takes", () => {
       this.names.rebuild();
       this.timeline.rebuild();
-      this.toolbar.refresh();
+      for (const part of [this.toolbar, this.transport]) part.refresh(); // they name the figures
       this.canvas.setAttribute("aria-label", this.#inWords());
     });
     player.addEventListener("tick", () => {
