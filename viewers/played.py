@@ -11,7 +11,7 @@ from engines.geometry import kinematics, rotations
 from engines.motion import Motion
 from viewers import bodies
 from viewers.bodies.body import Body
-from viewers.scene import Actor, sample
+from viewers.scene import Actor, Scene, sample
 
 GHOST_LIMIT = 48
 """So many ghosts of one actor at most; with more the interval grows."""
@@ -65,6 +65,18 @@ def worn(actor: Actor) -> list[Worn]:
     if actor.show in ("skeleton", "both"):
         made.append(Worn(*dressed(actor.motion, "stick"), 1.0))
     return made
+
+
+def at_home(scene: Scene) -> Scene:
+    """The scene with motions as bodies with bones of their own play them, so that marks and cameras see these too."""
+    return scene.replaced(actors=tuple(_at_home(actor) for actor in scene.actors))
+
+
+def _at_home(actor: Actor) -> Actor:
+    if actor.body in ("anny", "stick"):
+        return actor
+    body, motion = dressed(actor.motion, actor.body)
+    return actor.replaced(body=body, motion=motion) if body.own_bones else actor
 
 
 @lru_cache(maxsize=64)

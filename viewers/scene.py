@@ -204,10 +204,13 @@ class Scene:
 
         Framing looks at the whole motion, so that a single frame is framed as it is in the video.
         """
-        rate = max(actor.motion.fps for actor in self.actors)
+        from viewers.played import at_home  # it builds on this module
+
+        actors = at_home(self).actors
+        rate = max(actor.motion.fps for actor in actors)
         steps = self.times(rate)
-        points = np.concatenate([_reach(actor, steps) for actor in self.actors], axis=1)
-        roots = np.mean([sample(actor.motion, steps)[1] + actor.offset for actor in self.actors], axis=0)
+        points = np.concatenate([_reach(actor, steps) for actor in actors], axis=1)
+        roots = np.mean([sample(actor.motion, steps)[1] + actor.offset for actor in actors], axis=0)
         whole = camera_track(self.camera, Subject(points, roots, rate), aspect)
         moved = [
             np.stack([np.interp(times, steps, track[:, axis]) for axis in range(3)], axis=-1)

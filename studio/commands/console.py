@@ -54,15 +54,26 @@ def parse_formats(text: str | None) -> tuple[str, ...] | None:
 
 def parse_factors(items: list[str] | None) -> dict[str, float] | None:
     """`["left_knee=1.1"]` -> {"left_knee": 1.1}; nothing given stays None."""
+    return parse_numbers("--bone-scale", items, "JOINT=FACTOR, as in left_knee=1.1")
+
+
+def parse_numbers(
+    option: str, items: list[str] | None, accepted: str = "NAME=VALUE, as in weight=0.7"
+) -> dict[str, float] | None:
+    """`["weight=0.7"]`, as given to an option, -> {"weight": 0.7}; nothing given stays None.
+
+    Raises:
+        OutOfRangeError: one is not of that form; the message says what is `accepted`.
+    """
     if not items:
         return None
-    factors = {}
+    numbers = {}
     for item in items:
-        joint, equals, number = item.partition("=")
+        name, equals, number = item.partition("=")
         try:
-            factors[joint.strip()] = float(number)
+            numbers[name.strip()] = float(number)
         except ValueError:
             equals = ""
         if not equals:
-            raise OutOfRangeError("--bone-scale", item, "JOINT=FACTOR, as in left_knee=1.1")
-    return factors
+            raise OutOfRangeError(option, item, accepted)
+    return numbers

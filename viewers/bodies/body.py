@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +16,22 @@ from engines.skeletons.skeleton import Skeleton
 
 INFLUENCES = 4
 """Joints a vertex may hang on; the number every graphics API is happy with."""
+
+
+@dataclass(frozen=True)
+class Slider:
+    """One way in which a body's shape can be changed."""
+
+    name: str
+    """As in `Body.shaped(name=value)`."""
+    low: float
+    """The least value accepted."""
+    high: float
+    """The greatest value accepted."""
+    usual: float
+    """The value of the body as it comes."""
+    words: str = ""
+    """What it does, for a person."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +64,14 @@ class Body:
     """Fewer faces (F', 3) over the same vertices, the finer first: for figures that are small, shadows and ghosts."""
     licence: str = ""
     """Where the mesh comes from and on what terms."""
+    own_bones: bool = False
+    """It keeps its own bone lengths, and motions are brought to it; else it is stretched to a motion's."""
+    sliders: tuple[Slider, ...] = ()
+    """What of its shape can be changed; see `shaped`."""
+    shape: Mapping[str, float] = field(default_factory=dict)
+    """Where its sliders are, those not at their usual values."""
+    reshape: Callable[[Mapping[str, float]], Body] | None = None
+    """Makes it anew with its sliders at other values; called by `shaped`."""
 
     def __post_init__(self) -> None:
         wanted = {
@@ -55,17 +80,38 @@ class Body:
             "colours": (np.uint8, 3), "tint": (np.float32, None),
         }  # fmt: skip
         count = len(self.vertices)
-        for field, (kind, width) in wanted.items():
-            array = np.ascontiguousarray(getattr(self, field), dtype=kind)
-            rows = len(self.faces) if field == "faces" else count
+        for name, (kind, width) in wanted.items():
+            array = np.ascontiguousarray(getattr(self, name), dtype=kind)
+            rows = len(self.faces) if name == "faces" else count
             shape = (rows,) if width is None else (rows, width)
             if array.shape != shape:
-                raise SkeletonError(f"body {self.name!r}: {field} has shape {array.shape}; accepted: {shape}.")
+                raise SkeletonError(f"body {self.name!r}: {name} has shape {array.shape}; accepted: {shape}.")
             array.setflags(write=False)
-            object.__setattr__(self, field, array)
+            object.__setattr__(self, name, array)
         object.__setattr__(self, "coarse", tuple(np.ascontiguousarray(level, np.uint32) for level in self.coarse))
         if count and (self.skin_indices.max() >= len(self.skeleton) or (len(self.faces) and self.faces.max() >= count)):
             raise SkeletonError(f"body {self.name!r}: faces or weights point at vertices or joints that do not exist.")
+
+    def shaped(self, **values: float) -> Body:
+        """This body with another shape.
+
+        Args:
+            values: slider -> value, see `sliders`; those not named stay where they are.
+
+        Returns:
+            Another Body; its skeleton differs where bones are longer or shorter.
+
+        Raises:
+            UnknownLabelError: a slider it does not have.
+            OutOfRangeError: a value out of a slider's bounds.
+        """
+        from viewers.bodies.shaping import checked
+
+        usual = {slider.name: slider.usual for slider in self.sliders}
+        wanted = {name: v for name, v in {**self.shape, **checked(self, values)}.items() if v != usual[name]}
+        if self.reshape is None or wanted == self.shape:
+            return self
+        return replace(self.reshape(wanted), shape=wanted, sliders=self.sliders, reshape=self.reshape)
 
     def painted(self, colour: tuple[float, float, float] | None) -> UInt8[np.ndarray, "V 3"]:
         """(V, 3) uint8 sRGB: the base colours, with `colour` (sRGB, 0..1) laid over them where `tint` says so.

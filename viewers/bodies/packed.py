@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -70,6 +72,56 @@ def unpack(path: Path, name: str, licence: str) -> Body:
             coarse=tuple(stored[key] for key in levels),
             licence=licence,
         )
+
+
+@dataclass(frozen=True)
+class Moves:
+    """What one end of a slider moves."""
+
+    slider: str
+    value: float
+    """Of the slider, at that end."""
+    vertices: np.ndarray
+    """(V, 3) metres."""
+    offsets: np.ndarray
+    """(J, 3) change of the joints' offsets, metres."""
+
+
+STEP = 1e-4
+"""Metres of one step of stored moves."""
+
+
+def save_moves(moves: Sequence[Moves], path: Path) -> None:
+    """Write the moves of sliders beside `path`, then rename.
+
+    Neighbours in the file are neighbours on the body, so differences from one to the next are small and pack well;
+    high and low bytes apart pack better still.
+    """
+    steps = np.round(np.stack([move.vertices for move in moves]) / STEP).astype(np.int16)
+    changes = np.diff(steps, axis=1, prepend=np.int16(0)).astype("<i2")
+    folded = np.ascontiguousarray(((changes << 1) ^ (changes >> 15)).transpose(0, 2, 1)).view(np.uint8)
+    part = path.with_suffix(".part.npz")
+    np.savez_compressed(
+        part,
+        low=folded[..., 0::2],
+        high=folded[..., 1::2],
+        offsets=np.stack([move.offsets for move in moves]).astype(np.float32),
+        sliders=np.array([move.slider for move in moves]),
+        values=np.array([move.value for move in moves], np.float32),
+    )
+    part.replace(path)
+
+
+def read_moves(path: Path) -> list[Moves]:
+    """The moves in a file that `save_moves` wrote."""
+    with np.load(path, allow_pickle=False) as stored:
+        folded = stored["low"].astype(np.uint16) | stored["high"].astype(np.uint16) << 8
+        changes = (folded >> 1).astype(np.int16) ^ -(folded & 1).astype(np.int16)
+        vertices = np.cumsum(changes, axis=2, dtype=np.int16).transpose(0, 2, 1) * STEP
+        parts = (stored["sliders"], stored["values"], vertices, stored["offsets"].astype(np.float64))
+        return [
+            Moves(str(name), round(float(value), 4), move, bone) for name, value, move, bone in zip(*parts, strict=True)
+        ]
 
 
 def _in_order(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from viewers.gl import extent
 from viewers.gl.context import GraphicsContext
 from viewers.gl.figures import Mesh, Poses, mesh
 from viewers.gl.marks import Label, Marks, actor_marks
-from viewers.played import Ghost, Played, Worn, ghost_frames, play, visible_ghosts, worn
+from viewers.played import Ghost, Played, Worn, at_home, ghost_frames, play, visible_ghosts, worn
 from viewers.scene import Actor, Scene, hex_to_rgb
 
 FLOOR = (3.0, 2.2)
@@ -87,7 +87,7 @@ def build(
 
     The camera is the scene's own, or `track`.
     """
-    aspect = size[0] / size[1]
+    scene, aspect = at_home(scene), size[0] / size[1]
     track = track or scene.track(times, aspect)
     flip = np.diag([1.0, -1.0, 1.0, 1.0])  # OpenGL's first row becomes the top of the picture
     matrices = (flip @ track.projection(aspect) @ track.views()).astype(np.float32)

@@ -9,7 +9,7 @@ import numpy as np
 
 from viewers.bodies.body import Body
 from viewers.marks import CONTACT_COLOUR, CONTACT_OPACITY, TRAIL_COLOUR, TRAIL_OPACITY, contact_prints, trail
-from viewers.played import Played, Worn, ghost_frames, play, visible_ghosts, worn
+from viewers.played import Played, Worn, at_home, ghost_frames, play, visible_ghosts, worn
 from viewers.pv.plotter import Plotter, pyvista_module
 from viewers.scene import Actor, Scene, hex_to_rgb, sample
 
@@ -28,6 +28,7 @@ class Stage:
 
     def __init__(self, plotter: Plotter, scene: Scene) -> None:
         """Put a scene into an empty plotter."""
+        scene = at_home(scene)
         self.plotter, self.scene = plotter, scene
         colours = scene.colours
         plotter.set_background(colours.edge, top=colours.centre)

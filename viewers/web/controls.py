@@ -216,6 +216,8 @@ def dress(motions: Sequence[Motion], body: str | Body | None) -> tuple[Body | No
 
 
 def _onto(motion: Motion, body: Body) -> Motion:
+    if body.own_bones:
+        return bodies.body_for(motion, body)[1]
     same = motion.skeleton.joints == body.skeleton.joints and motion.skeleton.parents == body.skeleton.parents
     return motion if same else motion.retarget(body.skeleton)
 

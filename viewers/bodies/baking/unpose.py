@@ -8,6 +8,7 @@ import numpy as np
 
 from engines.geometry import rotations
 from engines.skeletons import SMPL22
+from engines.skeletons.skeleton import Skeleton
 from viewers.bodies.baking.weights import SkinMesh, joint_of
 
 TOE_DROP = 0.0277
@@ -27,8 +28,8 @@ class BoneTurn:
     """Radians about `axis` gained from the near to the far end."""
 
 
-def to_rest_pose(mesh: SkinMesh, raw: dict[str, np.ndarray]) -> SkinMesh:
-    """The mesh in smpl22's rest pose, pelvis at the origin.
+def to_rest_pose(mesh: SkinMesh, raw: dict[str, np.ndarray], skeleton: Skeleton = SMPL22) -> SkinMesh:
+    """The mesh in smpl22's rest pose, pelvis at the origin; or in that of `skeleton`, smpl22 with other bone lengths.
 
     Every vertex is carried by the rigid motions of its bones, blended as dual quaternions (they keep volume), each
     bone's twist growing along it.
@@ -37,8 +38,10 @@ def to_rest_pose(mesh: SkinMesh, raw: dict[str, np.ndarray]) -> SkinMesh:
     real = np.zeros((*mesh.weights.shape, 4))
     dual = np.zeros_like(real)
     for bone in bone_turns(raw):
-        along, rest = rotations.rotate(bone.turn, bone.axis), SMPL22.rest_positions[bone.joint]
-        share = np.clip((mesh.vertices - heads[bone.joint]) @ along / max(_length(bone.joint), 1e-6), 0.0, 1.0)
+        along, rest = rotations.rotate(bone.turn, bone.axis), skeleton.rest_positions[bone.joint]
+        share = np.clip(
+            (mesh.vertices - heads[bone.joint]) @ along / max(_length(skeleton, bone.joint), 1e-6), 0.0, 1.0
+        )
         extra = rotations.rotvec_to_quaternion(bone.axis * (bone.twist * share)[:, None])
         back = rotations.invert(rotations.multiply(bone.turn, extra))
         shift = rest - rotations.rotate(back, heads[bone.joint])
@@ -131,6 +134,6 @@ def _axes(along: np.ndarray, across: np.ndarray) -> np.ndarray:
     return np.stack([first, second, np.cross(first, second)], axis=-1)
 
 
-def _length(joint: int) -> float:
-    children = SMPL22.children[joint]
-    return float(SMPL22.bone_lengths[children[0]]) if children else 0.0
+def _length(skeleton: Skeleton, joint: int) -> float:
+    children = skeleton.children[joint]
+    return float(skeleton.bone_lengths[children[0]]) if children else 0.0
