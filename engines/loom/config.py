@@ -43,8 +43,10 @@ class LoomConfig(Config):
     weight_decay: float = 1e-2
     average: float = 0.999
     """Decay of the moving average of the weights."""
-    label_balance: float = 0.5
+    label_balance: float = 0.3
     """A label with n clips is drawn with a chance proportional to n ** label_balance."""
+    style_balance: float = 0.3
+    """A clip of a style that n clips have is drawn with a chance proportional to n ** -style_balance besides."""
     unconditional: float = 0.1
     """Share of training windows that are told nothing of what they show."""
     wordy: float = 0.4

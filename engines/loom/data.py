@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,14 +13,14 @@ from torch import Tensor
 from engines import actions as vocabulary
 from engines.datasets import Clip
 from engines.errors import MotionloomError
-from engines.loom import known
+from engines.loom import known, words
 from engines.loom.config import LoomConfig
 from engines.loom.networks import Wanted
 from engines.loom.representation import JOINTS, KNOWN, LAYOUT, Frames, frames_of, from_start, joints_from_start
 from engines.training.devices import ALONE, Share
 
 Captions = Callable[[Sequence[Clip]], np.ndarray]
-"""Clips (N) -> sentence vectors (N, K, 384) float16 of K captions each."""
+"""Clips (N) -> (N, K, `words.SIZE`) float16: K captions of each."""
 _WHOLE_ONCE, _WHOLE_REPEATING = 0.9, 0.6
 """Share of windows that hold a whole clip, where it is not too long."""
 _SHORTEST = 16
@@ -63,7 +64,7 @@ class Windows:
         self.styles = np.array([_label(clip.style, config.styles) for clip in clips])
         self.repeats = np.array([bool(c.action) and vocabulary.get(c.action or "").repeats for c in clips])
         self.captions = None if captions is None else torch.from_numpy(captions(clips))
-        self.probability = _balanced(clips, config.label_balance)
+        self.probability = _balanced(clips, config)
 
     def __len__(self) -> int:
         return len(self.lengths)
@@ -151,7 +152,7 @@ class Windows:
         labelled = ~silent & (chance >= config.unconditional + config.wordy)
         styled = labelled & (rng.random(count) < 0.9)
         which = rng.integers(1 << 30, size=count)
-        text = torch.zeros(count, 384)
+        text = torch.zeros(count, words.SIZE)
         if self.captions is not None:
             # a caption speaks of the whole clip
             worded &= length >= 0.6 * self.lengths[picks]
@@ -211,11 +212,11 @@ def _label(name: str | None, names: Sequence[str]) -> int:
     return 1 + names.index(name) if name in names else 0
 
 
-def _balanced(clips: Sequence[Clip], balance: float) -> np.ndarray:
-    """(N,) chance of each clip: labels even out, and long clips are drawn more often than short ones."""
-    names = [clip.action or "" for clip in clips]
-    count = {name: names.count(name) for name in set(names)}
-    weight = np.array([count[name] ** (balance - 1.0) for name in names])
+def _balanced(clips: Sequence[Clip], config: LoomConfig) -> np.ndarray:
+    """(N,) chance of each clip: labels and styles even out, and long clips are drawn more often than short ones."""
+    actions, styles = Counter(clip.action for clip in clips), Counter(clip.style for clip in clips)
+    weight = np.array([actions[clip.action] ** (config.label_balance - 1.0) for clip in clips])
+    weight *= np.array([styles[clip.style] ** -config.style_balance for clip in clips])
     weight *= np.sqrt(np.maximum(1.0, np.array([len(clip.motion) for clip in clips]) / 200))
     return weight / weight.sum()
 

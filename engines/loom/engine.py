@@ -274,8 +274,8 @@ class LoomEngine:
         request = self._request(shown if shown in self.config.actions else None, style, None)
         constraints = NOTHING
         if keep_path:
-            line = house.positions[:, 0, [0, 2]]
-            constraints = Constraints(path=FloorPath(line, tuple(range(len(line))))) if len(line) > 1 else constraints
+            line = FloorPath(house.positions[:, 0, [0, 2]], tuple(range(len(house))), recorded=True)
+            constraints = Constraints(path=line) if len(house) > 1 else constraints
         how = How(guidance, 8, constraints, (self._passes.features(house), 1.0 - strength))
         motions, said = self._passes.perform([(request, len(house))], seed, range(count), how)
         parameters = {"of": motion.provenance.source, "style": style, "strength": strength, "keep_path": keep_path}

@@ -11,10 +11,10 @@ import torch
 from torch import Tensor
 
 from engines.errors import OutOfRangeError
-from engines.loom import output
+from engines.loom import output, words
 from engines.loom.constraints import NOTHING, Constraints, Keep, Known, compile_known
 from engines.loom.model import Adjust, Loom
-from engines.loom.networks import TEXT_SIZE, Wanted
+from engines.loom.networks import Wanted
 from engines.loom.plan import Window, windows
 from engines.loom.reach import Reach
 from engines.loom.representation import LAYOUT, frames_of
@@ -60,6 +60,7 @@ class Passes:
     def __init__(self, model: Loom) -> None:
         self.model, self.config = model, model.config
         self._mean, self._std = model.mean.numpy(), model.std.numpy()
+        self._said = "", torch.zeros(1, words.SIZE)
 
     def noise(self, seed: int, indices: Sequence[int], frames: int, window: int = 0) -> Tensor:
         """(B, T, D) standard normal, each motion's from its own stream; T is padded to whole patches."""
@@ -149,15 +150,22 @@ class Passes:
         return torch.nn.functional.pad(normal, (0, 0, 0, self._padded(len(house)) - len(house)))[None]
 
     def _wanted(self, request: Request, span: int, frames: int, count: int) -> Wanted:
-        text = torch.zeros(1, TEXT_SIZE)
-        if request.prompt:
-            from engines import text as encoders
-
-            text = encoders.load(self.config.text_encoder).encode([request.prompt]).sentences.clone()
+        text = self._sentence(request.prompt) if request.prompt else torch.zeros(1, words.SIZE)
         action = 1 + self.config.actions.index(request.action) if request.action else 0
         style = 1 + self.config.styles.index(request.style) if request.style else 0
         numbers = [torch.full((count,), value) for value in (action, style, span, frames)]
         return Wanted(numbers[0], numbers[1], text.expand(count, -1), numbers[2], numbers[3])
+
+    def _sentence(self, prompt: str) -> Tensor:
+        """(1, `words.SIZE`) of a prompt; the last one is kept, since a long motion asks for each window."""
+        last, told = self._said
+        if last != prompt:
+            from engines import text as encoders
+
+            vectors = encoders.load(self.config.text_encoder).encode([prompt]).sentences
+            told = torch.from_numpy(words.joined(vectors.numpy(), [prompt]))
+            self._said = prompt, told
+        return told
 
     def _known(
         self, constraints: Constraints, shown: list[Motion] | None, frames: int, count: int, request: Request

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from torch import Tensor
 
 from engines import datasets, weights_file
 from engines.datasets.captions import encoded
-from engines.loom import data
+from engines.loom import data, words
 from engines.loom.config import LoomConfig
 from engines.loom.losses import losses
 from engines.loom.model import Loom
@@ -40,17 +39,9 @@ def start(
     mean, std = windows.statistics()
     model.mean.copy_(mean)
     model.std.copy_(std)
-    told = TrainingPlan(
-        steps=config.steps,
-        learning_rate=config.learning_rate,
-        final_learning_rate=config.final_learning_rate,
-        weight_decay=config.weight_decay,
-        optimiser="adamw",
-        average=config.average,
-        seed=seed,
-    )
+    told = TrainingPlan.of(config, seed, **{"optimiser": "adamw", **(plan or {})})
     identity = {"engine": "loom", **{name: getattr(config, name) for name in _IDENTITY}}
-    return TrainingState(model, replace(told, **(plan or {})), identity=identity), windows
+    return TrainingState(model, told, identity=identity), windows
 
 
 def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
@@ -113,9 +104,10 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
 
 
 def told_in_words(clips: Sequence[datasets.Clip], count: int = 16) -> np.ndarray:
-    """(N, count, 384) float16: sentence vectors of captions of each clip, from the cache of encoded captions."""
+    """(N, count, `words.SIZE`) float16: captions of each clip, from the cache of encoded captions."""
     told = encoded.load()
-    return np.stack([told.vectors[np.resize(told.of(clip), count)] for clip in clips])
+    sentences = words.joined(told.vectors, told.sentences)
+    return np.stack([sentences[np.resize(told.of(clip), count)] for clip in clips])
 
 
 def _validation(held_back: data.Windows) -> Callable[[TrainingState], Iterator[dict[str, Tensor]]]:

@@ -59,6 +59,14 @@ def test_waypoints_are_known_at_their_frames_only() -> None:
     assert np.flatnonzero(part(known, "ground_known")[:, 0]).tolist() == [0, 20, 59]
 
 
+def test_the_path_of_a_motion_there_is_may_be_as_fast_as_it_was() -> None:
+    points, at = np.array([[0.0, 0.0], [0.0, 0.4]]), (0, 1)  # 8 m/s
+    with pytest.raises(MotionloomError, match="nobody here runs faster"):
+        compiled(Constraints(path=Path(points, at)), 30)
+    told = compiled(Constraints(path=Path(points, at, recorded=True)), 30)
+    assert not told.unmet
+
+
 def test_a_path_faster_than_anyone_runs_is_cut_short_and_said_so() -> None:
     known = compiled(Constraints(path=Path(np.array([[0.0, 0], [0, 100]]))))
     assert part(known, "ground")[-1, 1] == pytest.approx(7.0 * 59 / 20, abs=1e-3)
