@@ -24,7 +24,7 @@ from engines.errors import FormatError, MotionloomError, OutOfRangeError, Unknow
 from studio.pinned import NOTHING, Pinned
 
 VERSION = 1
-DEFAULT_ENGINE = "action2motion"
+DEFAULT_ENGINE = "loom"
 """The engine a newcomer meets first; where its weights are missing, the first that has some."""
 MAX_SEED = 2**31 - 1
 MAX_COUNT = 32

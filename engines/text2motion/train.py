@@ -361,15 +361,8 @@ def _joined(config: Text2MotionConfig, earlier: Text2Motion | None, stage: Stage
 
 
 def _plan(config: Text2MotionConfig, stage: Stage, seed: int) -> TrainingPlan:
-    return TrainingPlan(
-        steps=config.steps_of(stage),
-        learning_rate=config.learning_rate,
-        final_learning_rate=config.final_learning_rate,
-        weight_decay=config.weight_decay,
-        optimiser="adamw" if config.weight_decay else "adam",
-        clip_norm=config.clip_norm,
-        average=config.average,
-        seed=seed,
+    return TrainingPlan.of(
+        config, seed, steps=config.steps_of(stage), optimiser="adamw" if config.weight_decay else "adam"
     )
 
 

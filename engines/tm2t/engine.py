@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from engines import text
+from engines.actions import Action
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.motion import Motion, Provenance, Segment
 from engines.text import TextEncoder
@@ -83,6 +84,8 @@ class TM2TEngine:
     licence = "CC BY-NC 4.0 (trained on Bandai-Namco clips)"
     fps = output.FPS
     variants: tuple[str, ...] = ("small",)
+    actions: tuple[Action, ...] = ()
+    """None: it is told in sentences alone."""
 
     def __init__(
         self,
