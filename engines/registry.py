@@ -44,7 +44,10 @@ def _text2motion(**options: Any) -> Any:
 _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
     "action2motion": ("an action's name becomes a motion (temporal VAE, Guo et al. 2020)", _action2motion),
     "loom": ("actions, styles, sentences, poses and paths become a motion (flow matching, our own)", _loom),
-    "text2motion": ("a sentence becomes a motion as long as it calls for (temporal VAE, Guo et al. 2022)", _text2motion),
+    "text2motion": (
+        "a sentence becomes a motion as long as it calls for (temporal VAE, Guo et al. 2022)",
+        _text2motion,
+    ),
     "tm2t": ("a sentence becomes a motion and a motion a sentence, by motion tokens (Guo et al. 2022)", _tm2t),
 }
 
