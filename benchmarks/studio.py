@@ -9,10 +9,12 @@ meanwhile, without it they stand still (as for people who asked their system for
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -72,7 +74,9 @@ def main() -> None:
     port = free_port()
     url = f"http://127.0.0.1:{port}/"
     command = [sys.executable, "-m", "studio.cli", "studio", "--port", str(port), "--no-browser"]
-    server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    folder = tempfile.TemporaryDirectory()  # a library of its own
+    places = os.environ | {"MOTIONLOOM_LIBRARY": f"{folder.name}/library.db"}
+    server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=places)
     try:
         start = timed(lambda: wait_for(lambda: _answers(url), "the server"))
         rounds = []

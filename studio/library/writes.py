@@ -101,9 +101,11 @@ def _trim(connection: Connection, key: str) -> int:
 
 def _forget(connection: Connection, key: str) -> None:
     """Drop takes that no undo can bring back."""
+    gone = connection.execute(select(_takes.number).where(_takes.project == key, ~_takes.present)).scalars().all()
+    if not gone:
+        return
     wanted = {number for row in steps_of(connection, key) for number, _fields in json.loads(row.changes)}
-    gone = select(_takes.number).where(_takes.project == key, ~_takes.present)
-    lost = [number for number in connection.execute(gone).scalars() if number not in wanted]
+    lost = [number for number in gone if number not in wanted]
     for start in range(0, len(lost), 500):
         mine = (_takes.project == key) & _takes.number.in_(lost[start : start + 500])
         connection.execute(delete(schema.takes).where(mine))
