@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from engines.errors import FormatError
-from engines.formats import amass, amc, bvh, csv_table, glb, npz, utd_mat
+from engines.formats import amass, amc, bvh, csv_table, fbx, glb, npz, usd, utd_mat
 from engines.formats.files import atomic_path
 from engines.formats.registry import Format, by_name, check_options, find_reader, find_writer
 from engines.motion import Motion
@@ -24,6 +24,8 @@ _FORMATS: tuple[Format, ...] = (
     amass.FORMAT,
     bvh.FORMAT,
     glb.FORMAT,
+    usd.FORMAT,
+    fbx.FORMAT,
     csv_table.FORMAT,
     amc.FORMAT,
     utd_mat.FORMAT,

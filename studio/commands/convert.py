@@ -13,19 +13,19 @@ from studio.commands.console import EditOption
 
 def convert(  # noqa: PLR0913, PLR0917 (one parameter an option)
     source: Annotated[Path, typer.Argument(metavar="IN", help="Motion file to read: .bvh, .glb, .npz, .amc, .mat")],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="File to write: .bvh, .glb, .csv, .npz, .amass.npz")],
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="File to write: .bvh, .glb, .usdc, .fbx, .csv, .npz")],
     fps: Annotated[float | None, typer.Option(metavar="RATE", help="Resample to this many frames a second.")] = None,
     retarget: Annotated[
         str | None, typer.Option(metavar="SKELETON", help="Move onto a named skeleton, as smpl22.")
     ] = None,
     bones: Annotated[
-        bool, typer.Option("--bones", help="Into .glb: joints alone, on the motion's own skeleton.")
+        bool, typer.Option("--bones", help="Into .glb, .usdc, .fbx: joints alone, on the motion's own skeleton.")
     ] = False,
     edit: EditOption = None,
 ) -> None:
     """Convert a motion file, its formats told by the extensions.
 
-    A .glb gets the default body over its joints unless --bones is given.
+    A .glb, .usdc or .fbx gets the default body over its joints unless --bones is given.
 
     [bold]Examples[/bold]
 
@@ -49,5 +49,5 @@ def convert(  # noqa: PLR0913, PLR0917 (one parameter an option)
         motion = motion.resample(fps)
     motion = edits.apply(motion, edit or ())
     target.parent.mkdir(parents=True, exist_ok=True)
-    skinned = target.suffix.lower() == ".glb" and not bones
+    skinned = target.suffix.lower() in (".glb", ".usdc", ".usda", ".usd", ".fbx") and not bones
     typer.echo(tasks.write_skinned(motion, target) if skinned else motion.write(target))

@@ -71,8 +71,8 @@ def test_a_mat_of_something_else(tmp_path):
 
 
 def test_unknown_extension_names_and_options(tmp_path, motion):
-    with pytest.raises(FormatError, match=r"extension '\.fbx'; accepted: \.npz"):
-        formats.write(motion, tmp_path / "walk.fbx")
+    with pytest.raises(FormatError, match=r"extension '\.xyz'; accepted: \.npz"):
+        formats.write(motion, tmp_path / "walk.xyz")
     with pytest.raises(FormatError, match=r"read but not written"):
         formats.write(motion, tmp_path / "walk.mat", format="utd_mat")
     with pytest.raises(UnknownLabelError, match="bvh"):
