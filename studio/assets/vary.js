@@ -1,7 +1,9 @@
 // What can be made of takes: a blend of two, another action from the playhead on, other ways to go on.
 export function render(part) {
   const {model} = part
-  const send = (what) => model.send_msg({do: what})
+  const send = (what, more = {}) => model.send_msg({do: what, ...more})
+  // told with the press: what was typed last may else arrive after it
+  const told = () => ({action: action.value.trim(), seconds: Number(seconds.value), count: Math.round(Number(ways.value))})
   const select = (id, label, change) => h("select", {class: "field", id, "aria-label": label, onchange: (event) => change(event.target.value)})
   const from = select("blend-from", "Blend from", (value) => { model.first = value })
   const to = select("blend-to", "Blend to", (value) => { model.second = value })
@@ -20,8 +22,8 @@ export function render(part) {
   const known = h("datalist", {id: "next-actions"})
   const seconds = h("input", {class: "field", id: "next-seconds", type: "number", min: "0.1", max: "600", step: "0.5", onchange: () => { const value = Number(seconds.value); if (value >= 0.1 && value <= 600) model.seconds = value; else seconds.value = String(model.seconds) }})
   const ways = h("input", {class: "field", id: "next-ways", type: "number", min: "1", max: "32", step: "1", onchange: () => { const value = Math.round(Number(ways.value)); if (value >= 1 && value <= 32) model.count = value; else ways.value = String(model.count) }})
-  const goOn = h("button", {class: "btn primary wide", type: "button", onclick: () => send("go_on")})
-  const change = h("button", {class: "btn wide", type: "button", onclick: () => send("change")})
+  const goOn = h("button", {class: "btn primary wide", type: "button", onclick: () => send("go_on", told())})
+  const change = h("button", {class: "btn wide", type: "button", onclick: () => send("change", told())})
   const stop = h("button", {class: "btn wide", type: "button", onclick: () => send("cancel")}, icon("cross"), "Cancel")
   const fault = h("p", {class: "fault", role: "alert"})
   const later = h("section", {"aria-label": "From the playhead on"}, h("h4", {}, "From the playhead on"),

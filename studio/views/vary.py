@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from studio.session import Session
@@ -23,11 +24,19 @@ def vary(session: Session) -> Vary:
     follow(part, state, ["actions"], lambda: {"actions": [action.name for action in state.actions]})
     follow(part, state, ["playhead"], lambda: {"at": f"{state.playhead:.1f} s"})
     follow(part, state, ["capabilities", "selected", "takes", "engine"], lambda: dict(_problems(session)))
-    acts = {
-        "keep": varying.keep, "change": varying.change, "go_on": varying.go_on, "cancel": session.cancel_generate,
-    }  # fmt: skip
-    for what, act in acts.items():
-        part.on(what, lambda _message, act=act: act())
+
+    def told(act: Callable[[], None], message: dict[str, Any]) -> None:
+        wanted = {"next_action": str(message["action"]), "next_seconds": message["seconds"], "count": message["count"]}
+        try:
+            state.param.update(**wanted)
+        except ValueError:
+            return  # out of range: the field has gone back to what it was
+        act()
+
+    part.on("keep", lambda _: varying.keep())
+    part.on("cancel", lambda _: session.cancel_generate())
+    part.on("change", lambda message: told(varying.change, message))
+    part.on("go_on", lambda message: told(varying.go_on, message))
     return part
 
 
