@@ -11,6 +11,7 @@ import os
 import sqlite3
 import tempfile
 import time
+import weakref
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -95,7 +96,21 @@ def connect(url: URL) -> Engine:
     if sqlite:
         event.listen(engine, "connect", _prepare)
         event.listen(engine, "begin", _begin)
+    _mind_forks(engine)
     return engine
+
+
+def _mind_forks(engine: Engine) -> None:
+    """A process that is split off opens connections of its own; those it was born with belong to the other."""
+    known = weakref.ref(engine)
+
+    def start_anew() -> None:
+        mine = known()
+        if mine is not None:
+            mine.dispose(close=False)
+
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=start_anew)
 
 
 def _prepare(connection: sqlite3.Connection, _record: Any) -> None:

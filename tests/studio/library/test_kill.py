@@ -106,6 +106,28 @@ def test_killed_while_exporting(tmp_path, kill):
     assert sum(path.name.startswith(".") for path in tmp_path.iterdir()) <= 1, "the one it was about to write"
 
 
+def test_a_process_that_is_split_off_writes_through_connections_of_its_own(tmp_path):
+    """As a server of several processes does, which is split after the library was opened."""
+    library = open_library(str(tmp_path / "library.db"))
+    key = library.create("Scene")
+    takes = TakeList(library.shelf(key))
+    worker.step(takes, 0)
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            worker.step(TakeList(library.shelf(key)), 0)
+            code = 0
+        finally:
+            os._exit(code)
+    worker.step(takes, 4)
+    assert os.waitpid(child, 0)[1] == 0
+    takes.store.refresh()
+    assert [take.number for take in takes] == list(range(1, 10))
+    assert all(worker.right(take) for take in takes)
+    library.close()
+
+
 def test_two_programs_at_work_in_one_project(tmp_path):
     """Each sees the other's steps come in between its own; in the end all is whole."""
     file = tmp_path / "library.db"
