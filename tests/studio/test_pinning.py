@@ -59,8 +59,8 @@ def test_a_drawn_path_and_a_joint_go_into_the_draw(started, settle, constrained)
     assert [(pin.joint, pin.frame) for pin in given.pins] == [("left_wrist", 40)]
     assert given.loop
     assert started.state.generate_note == ""
-    assert "path of 2.4 m" in describe(started.state.take())
-    assert "ends as it began" in describe(started.state.take())
+    assert "path of 2.4 m" in describe(started.state.take(), {})
+    assert "ends as it began" in describe(started.state.take(), {})
 
 
 def test_a_long_line_is_thinned_and_keeps_its_ends(started):
@@ -106,8 +106,8 @@ def test_what_could_not_be_met_is_said_under_the_button_and_with_the_take(starte
     settle(started)
     said = "The path is 9.0 m long; it is followed for 5.0 m."
     assert started.state.generate_note == said
-    assert said in describe(started.state.take())
-    assert "Not met" not in describe(started.state.take("take-1"))
+    assert said in describe(started.state.take(), {})
+    assert "Not met" not in describe(started.state.take("take-1"), {})
     started.pins.clear()
     started.generate()
     settle(started)
@@ -125,7 +125,7 @@ def test_words_and_style_are_asked_and_come_back_with_the_take(started, settle, 
     assert (call["guidance"], call["best_of"]) == (4.0, 3)
     take = state.take()
     assert take.subject == "a person hops & bows"
-    assert "a person hops &amp; bows" in describe(take)
+    assert "a person hops &amp; bows" in describe(take, {})
     state.param.update(compose_tab="action", prompt="", style="", guidance=2.0, best_of=1, pinned=NOTHING)
     started.restore(take.id)
     assert (state.compose_tab, state.prompt, state.style) == ("text", "a person hops & bows", "old")

@@ -202,7 +202,7 @@ def test_what_goes_wrong_is_said(varied, settle, monkeypatch):
 def test_an_engine_without_any_of_it_says_so(session, settle):
     session.start()
     settle(session)
-    assert session.varying.go_problem() == "action2motion cannot go on from a start."
-    assert session.varying.change_problem() == "action2motion cannot change its action on the way."
+    assert session.varying.go_problem() == f"{session.state.engine} cannot go on from a start."
+    assert session.varying.change_problem() == f"{session.state.engine} cannot change its action on the way."
     session.varying.go_on()
     assert session.state.vary_error == "Action2motion cannot go on from a start."
