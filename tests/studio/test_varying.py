@@ -205,4 +205,4 @@ def test_an_engine_without_any_of_it_says_so(session, settle):
     assert session.varying.go_problem() == f"{session.state.engine} cannot go on from a start."
     assert session.varying.change_problem() == f"{session.state.engine} cannot change its action on the way."
     session.varying.go_on()
-    assert session.state.vary_error == "Action2motion cannot go on from a start."
+    assert session.state.vary_error == f"{session.state.engine.capitalize()} cannot go on from a start."
