@@ -77,7 +77,9 @@ class Editing:
 
         def work(_progress: Any, _cancel: Any) -> _Edited:
             edited = edits.apply(plain, take.edits)
-            return edited, dict(tasks.measure(edited))
+            # feet that stay on the spot slide, which says nothing about them
+            moving = [name for name in take.edits if name != "in_place"]
+            return edited, dict(tasks.measure(edits.apply(plain, moving)))
 
         def show(job: Job) -> None:
             if not job.finished:

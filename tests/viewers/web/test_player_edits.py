@@ -62,3 +62,21 @@ def test_without_an_offer_the_view_changes(open_player: Open):
     player.page.get_by_role("button", name="Mirror").click()
     assert player.get("mirror") is True
     assert player.get("edits") == ""
+
+
+def test_who_part_ways_begin_in_one_picture_and_the_picked_one_is_followed(open_player: Open):
+    """Eight in a row, of whom one walks away."""
+    still = walk(14.0).in_place()
+    player = open_player([walk(14.0), *[still] * 7], camera="follow")
+    player.js("player.set('selected', 7)")
+    wide = (
+        "(() => { player.stage.camera.updateMatrixWorld(); return player.actors.map((actor) => "
+        "actor.root.clone().project(player.stage.camera)).every(({ x }) => Math.abs(x) < 1); })()"
+    )
+    assert player.js("player.together") is False
+    player.still()
+    assert player.js(wide), "all are seen where they begin"
+    player.js("player.seek(player.clock.frames - 1)")
+    player.still()
+    target = player.js("[player.cameraman.controls.target.x, player.actors[7].root.x]")
+    assert abs(target[0] - target[1]) < 0.2

@@ -1,5 +1,5 @@
 // MotionPlayer: figures on a stage, a clock, and options that any side may change.
-import { Raycaster, Vector2, Vector3 } from "three";
+import { MathUtils, Raycaster, Vector2, Vector3 } from "three";
 import { Actor } from "./actor.js";
 import { Cameraman } from "./cameraman.js";
 import { Clock } from "./clock.js";
@@ -149,7 +149,8 @@ export class MotionPlayer extends EventTarget {
     const places = this.actors.map((actor) => actor.object.position);
     const { bounds, reach, start } = coverOf(ways, this.actors.map(({ take }) => take.fps), places);
     this.together = reach <= start + DRIFT;
-    this.cameraman.cover(bounds, this.together ? reach : 0);
+    this.begun = start;
+    this.cameraman.cover(bounds, this.together ? reach : start);
   }
 
   // ---- options ------------------------------------------------------------------------------------
@@ -282,13 +283,14 @@ export class MotionPlayer extends EventTarget {
     this.tools.update();
   }
 
-  /** What the camera follows: the middle of the figures while they stay together, else the picked one. */
+  /** What the camera follows: the middle of the figures while they stay together, the picked one as they part. */
   get subject() {
-    if (!this.actors.length) return new Vector3(0, 0.9, 0);
-    if (!this.together) return (this.actors[this.options.selected] ?? this.actors[0]).root;
-    const middle = new Vector3();
-    this.actors.forEach((actor) => middle.add(actor.root));
-    return middle.divideScalar(this.actors.length);
+    const roots = this.actors.map(({ root }) => root);
+    if (!roots.length) return new Vector3(0, 0.9, 0);
+    const middle = roots.reduce((sum, root) => sum.add(root), new Vector3()).divideScalar(roots.length);
+    if (this.together) return middle;
+    const spread = Math.max(...roots.map(({ x, z }) => Math.hypot(x - middle.x, z - middle.z)));
+    return middle.lerp(roots[this.options.selected] ?? roots[0], MathUtils.smoothstep(spread - this.begun, 0, DRIFT));
   }
 
   #lit() {
