@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 
+import numpy as np
+from PIL import Image
 from playwright.sync_api import expect
 
 from tests.viewers.web.conftest import PlayerPage
@@ -80,3 +83,20 @@ def test_who_part_ways_begin_in_one_picture_and_the_picked_one_is_followed(open_
     player.still()
     target = player.js("[player.cameraman.controls.target.x, player.actors[7].root.x]")
     assert abs(target[0] - target[1]) < 0.2
+
+
+def test_all_figures_of_an_overlay_are_seen(open_player: Open):
+    player = open_player([walk(3.0), walk(3.0, turn=0.6), walk(3.0, turn=-0.6)], arrangement="overlay", frame=45)
+    player.js("player.cameraman.home(false)")
+    player.still()
+
+    def picture() -> np.ndarray:
+        return np.asarray(Image.open(io.BytesIO(player.page.screenshot())).convert("RGB"), dtype=float)
+
+    before = picture()
+    for other in (1, 2):
+        player.js(f"(player.actors[{other}].solid.visible = false, player.actors[{other}].depth.visible = false)")
+    player.pictures()
+    player.still()
+    changed = (np.abs(picture() - before).max(axis=-1) > 12).sum()
+    assert changed > 1500, "two bodies more than the picked one"

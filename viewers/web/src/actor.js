@@ -57,7 +57,9 @@ export class Actor {
       this.material.transparent = xray || faint;
       this.material.opacity = xray ? XRAY : faint ? BEHIND : 1;
       // figures in one place: the picked one's surface wins where they coincide
-      Object.assign(this.material, { polygonOffset: faint, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
+      for (const material of [this.material, this.depth.material]) {
+        Object.assign(material, { polygonOffset: faint, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
+      }
       markStencil(this.material, marked);
       this.outline.material.uniforms.width.value = selected ? 0.0058 : 0.0035;
       setRaw(this.outline.material.uniforms.colour.value, theme.accent);
