@@ -114,6 +114,7 @@ def test_from_the_playhead_on_with_the_keyboard(tab, tmp_path, button):
     tab.player("player.seek(30)")
     page.get_by_role("tab", name="Vary").focus()
     keys.press("Enter")
+    expect(page.get_by_label("What follows")).to_be_visible()
     page.get_by_label("What follows").focus()
     keys.type("run")
     keys.press("Tab")

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -111,7 +112,9 @@ def test_playing_leaves_frames_out_rather_than_slowing_down() -> None:
             await asyncio.sleep(0.1)
             assert one.frame == held and not one.playback.playing
 
-        asyncio.run(asyncio.wait_for(watch(), 60))
+        # in a thread of its own: the browser's tests leave a loop running in this one
+        with ThreadPoolExecutor(1) as thread:
+            thread.submit(asyncio.run, asyncio.wait_for(watch(), 60)).result()
 
 
 def panel_of(one: Inspector):
@@ -205,6 +208,7 @@ def test_without_pyvista_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> 
 
 SCRIPT = """
 import sys
+from concurrent.futures import ThreadPoolExecutor
 sys.path.insert(0, {root!r})
 from tests.viewers import poses
 from viewers.pyvista_viewer import Inspector
