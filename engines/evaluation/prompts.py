@@ -1,7 +1,8 @@
 """Sixty sentences as people type them, and the actions that would be right: does an engine do what it is told in words?
 
 None of them is a caption of the training data. Right is a motion whose likeliest action, to the recogniser, is among
-those accepted; several are where words leave it open.
+those accepted; several are where words leave it open. `prompts_more.MORE` is a second list in the same form, three
+sentences for each action.
 """
 
 from __future__ import annotations
@@ -93,11 +94,16 @@ class Answer:
         return sum(name in self.accepted for name in self.seen) / len(self.seen)
 
 
-def answers(generate: Callable[[str], Sequence[Motion]], recogniser: Recogniser) -> list[Answer]:
+def answers(
+    generate: Callable[[str], Sequence[Motion]],
+    recogniser: Recogniser,
+    prompts: Sequence[tuple[str, tuple[str, ...]]] = PROMPTS,
+) -> list[Answer]:
     """What comes of every sentence.
 
     Args:
-        generate: sentence -> some motions.
+        generate: sentence -> some motions, at least one.
         recogniser: of actions.
+        prompts: (sentence, actions that are right): these sixty, or `prompts_more.MORE`.
     """
-    return [Answer(prompt, accepted, tuple(recogniser.recognise(generate(prompt)))) for prompt, accepted in PROMPTS]
+    return [Answer(prompt, accepted, tuple(recogniser.recognise(generate(prompt)))) for prompt, accepted in prompts]
