@@ -13,14 +13,15 @@ from torch import Tensor
 from engines import actions as vocabulary
 from engines.datasets import Clip
 from engines.errors import MotionloomError
-from engines.loom import known, words
+from engines.loom import known
 from engines.loom.config import LoomConfig
 from engines.loom.networks import Wanted
 from engines.loom.representation import JOINTS, KNOWN, LAYOUT, Frames, frames_of, from_start, joints_from_start
+from engines.text import sides
 from engines.training.devices import ALONE, Share
 
 Captions = Callable[[Sequence[Clip]], np.ndarray]
-"""Clips (N) -> (N, K, `words.SIZE`) float16: K captions of each."""
+"""Clips (N) -> (N, K, `sides.SIZE`) float16: K captions of each."""
 _WHOLE_ONCE, _WHOLE_REPEATING = 0.9, 0.6
 """Share of windows that hold a whole clip, where it is not too long."""
 _SHORTEST = 16
@@ -152,7 +153,7 @@ class Windows:
         labelled = ~silent & (chance >= config.unconditional + config.wordy)
         styled = labelled & (rng.random(count) < 0.9)
         which = rng.integers(1 << 30, size=count)
-        text = torch.zeros(count, words.SIZE)
+        text = torch.zeros(count, sides.SIZE)
         if self.captions is not None:
             # a caption speaks of the whole clip
             worded &= length >= 0.6 * self.lengths[picks]

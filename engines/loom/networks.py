@@ -8,9 +8,9 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from engines.loom import words
 from engines.loom.config import LoomConfig
 from engines.loom.representation import KNOWN, LAYOUT
+from engines.text import sides
 
 SPANS = 5
 """Not told; a stretch from the middle; from the start; to the end; whole."""
@@ -24,7 +24,7 @@ class Wanted(NamedTuple):
     style: Tensor
     """(B,) 1 + place in `config.styles`."""
     text: Tensor
-    """(B, `words.SIZE`) sentences, zero where there is none."""
+    """(B, `sides.SIZE`) sentences, zero where there is none."""
     span: Tensor
     """(B,) which part of a performance this is: one of `SPANS`."""
     frames: Tensor
@@ -58,7 +58,7 @@ class LoomNet(nn.Module):
         self.length = nn.Linear(2 * _WAVES, width)
         self.action = nn.Embedding(1 + len(config.actions), width)
         self.style = nn.Embedding(1 + len(config.styles), width)
-        self.text = nn.Sequential(nn.Linear(words.SIZE, width), nn.SiLU(), nn.Linear(width, width))
+        self.text = nn.Sequential(nn.Linear(sides.SIZE, width), nn.SiLU(), nn.Linear(width, width))
         self.span = nn.Embedding(SPANS, width)
         self.modulation = nn.Linear(width, 6 * width)
         self.blocks = nn.ModuleList(Block(config) for _ in range(config.depth))

@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from engines.errors import OutOfRangeError
-from engines.loom import output, words
+from engines.loom import output
 from engines.loom.constraints import NOTHING, Constraints, Keep, Known, compile_known
 from engines.loom.model import Adjust, Loom
 from engines.loom.networks import Wanted
@@ -19,6 +19,7 @@ from engines.loom.plan import Window, windows
 from engines.loom.reach import Reach
 from engines.loom.representation import LAYOUT, frames_of
 from engines.motion import Motion
+from engines.text import sides
 
 FPS = 20.0
 GUIDANCE = 3.0
@@ -60,7 +61,7 @@ class Passes:
     def __init__(self, model: Loom) -> None:
         self.model, self.config = model, model.config
         self._mean, self._std = model.mean.numpy(), model.std.numpy()
-        self._said = "", torch.zeros(1, words.SIZE)
+        self._said = "", torch.zeros(1, sides.SIZE)
 
     def noise(self, seed: int, indices: Sequence[int], frames: int, window: int = 0) -> Tensor:
         """(B, T, D) standard normal, each motion's from its own stream; T is padded to whole patches."""
@@ -150,20 +151,20 @@ class Passes:
         return torch.nn.functional.pad(normal, (0, 0, 0, self._padded(len(house)) - len(house)))[None]
 
     def _wanted(self, request: Request, span: int, frames: int, count: int) -> Wanted:
-        text = self._sentence(request.prompt) if request.prompt else torch.zeros(1, words.SIZE)
+        text = self._sentence(request.prompt) if request.prompt else torch.zeros(1, sides.SIZE)
         action = 1 + self.config.actions.index(request.action) if request.action else 0
         style = 1 + self.config.styles.index(request.style) if request.style else 0
         numbers = [torch.full((count,), value) for value in (action, style, span, frames)]
         return Wanted(numbers[0], numbers[1], text.expand(count, -1), numbers[2], numbers[3])
 
     def _sentence(self, prompt: str) -> Tensor:
-        """(1, `words.SIZE`) of a prompt; the last one is kept, since a long motion asks for each window."""
+        """(1, `sides.SIZE`) of a prompt; the last one is kept, since a long motion asks for each window."""
         last, told = self._said
         if last != prompt:
             from engines import text as encoders
 
             vectors = encoders.load(self.config.text_encoder).encode([prompt]).sentences
-            told = torch.from_numpy(words.joined(vectors.numpy(), [prompt]))
+            told = torch.from_numpy(sides.joined(vectors.numpy(), [prompt]))
             self._said = prompt, told
         return told
 

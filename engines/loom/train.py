@@ -12,10 +12,11 @@ from torch import Tensor
 
 from engines import datasets, weights_file
 from engines.datasets.captions import encoded
-from engines.loom import data, words
+from engines.loom import data
 from engines.loom.config import LoomConfig
 from engines.loom.losses import losses
 from engines.loom.model import Loom
+from engines.text import sides
 from engines.training.devices import launch, share_of
 from engines.training.loop import TrainingPlan, TrainingState
 from engines.training.run import RunOptions, run
@@ -104,9 +105,9 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
 
 
 def told_in_words(clips: Sequence[datasets.Clip], count: int = 16) -> np.ndarray:
-    """(N, count, `words.SIZE`) float16: captions of each clip, from the cache of encoded captions."""
+    """(N, count, `sides.SIZE`) float16: captions of each clip, from the cache of encoded captions."""
     told = encoded.load()
-    sentences = words.joined(told.vectors, told.sentences)
+    sentences = sides.joined(told.vectors, told.sentences)
     return np.stack([sentences[np.resize(told.of(clip), count)] for clip in clips])
 
 

@@ -11,10 +11,11 @@ import torch
 
 import engines
 from engines.errors import Cancelled
-from engines.loom import train, words
+from engines.loom import train
 from engines.loom.data import Windows, vocabulary_of
 from engines.loom.losses import losses
 from engines.loom.representation import KNOWN, LAYOUT
+from engines.text import sides
 from engines.training.devices import Share
 from tests.engines.action2motion.tiny import clip, clips
 from tests.engines.loom.tiny import SIZES, config, model
@@ -25,7 +26,7 @@ PLAN = {"log_every": 1, "validate_every": 3, "save_every_seconds": 1e9}
 def told(found) -> np.ndarray:
     """Two sentence vectors a clip, of its action."""
     rng = np.random.default_rng(0)
-    table = {name: rng.normal(size=words.SIZE) for name in sorted({c.action for c in found})}
+    table = {name: rng.normal(size=sides.SIZE) for name in sorted({c.action for c in found})}
     return np.stack([np.stack([table[c.action], -table[c.action]]) for c in found]).astype(np.float16)
 
 

@@ -1,11 +1,11 @@
-"""What a sentence is to Loom: the encoder's numbers, and the sides it names."""
+"""What a sentence is to networks: the encoder's numbers, and the sides it names."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from engines.loom import words
+from engines.text import sides
 
 LEFT, RIGHT, BOTH, AHEAD, BACK, CLOCKWISE, COUNTER = range(7)
 
@@ -24,15 +24,15 @@ LEFT, RIGHT, BOTH, AHEAD, BACK, CLOCKWISE, COUNTER = range(7)
     ],
 )
 def test_sides_that_are_named(sentence: str, named: set[int]) -> None:
-    assert set(np.flatnonzero(words.sides([sentence])[0])) == named
+    assert set(np.flatnonzero(sides.named([sentence])[0])) == named
 
 
 def test_they_stand_beside_what_the_encoder_makes() -> None:
-    vectors = np.random.default_rng(0).normal(size=(2, words.ENCODED)).astype(np.float16)
-    made = words.joined(vectors, ["go left", "stand"])
-    assert made.shape == (2, words.SIZE)
+    vectors = np.random.default_rng(0).normal(size=(2, sides.ENCODED)).astype(np.float16)
+    made = sides.joined(vectors, ["go left", "stand"])
+    assert made.shape == (2, sides.SIZE)
     assert made.dtype == np.float16
-    assert (made[:, : words.ENCODED] == vectors).all()
-    assert made[0, words.ENCODED :].any()
-    assert not made[1, words.ENCODED :].any()
-    assert words.joined(vectors[:0], []).shape == (0, words.SIZE)
+    assert (made[:, : sides.ENCODED] == vectors).all()
+    assert made[0, sides.ENCODED :].any()
+    assert not made[1, sides.ENCODED :].any()
+    assert sides.joined(vectors[:0], []).shape == (0, sides.SIZE)
