@@ -6,21 +6,27 @@ NumPy only. Every engine, reader, viewer and exporter speaks it; none speaks to 
 from __future__ import annotations
 
 import copy
+import logging
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from engines.errors import OutOfRangeError, SkeletonError
+from engines.errors import MotionloomError, OutOfRangeError, SkeletonError
 from engines.geometry import contacts as foot_contacts
 from engines.geometry import kinematics, resample, rotations
 from engines.skeletons.skeleton import Skeleton
 
+log = logging.getLogger(__name__)
+
+PICTURES = "motionloom.pictures"
+"""Entry points that make a picture (PNG) of a Motion: engines know no viewer, but a notebook shows one."""
 LabelKind = Literal["action", "transition", "text", "style"]
 
 
@@ -115,6 +121,15 @@ class Motion:
             f"<Motion {len(self)} frames at {self.fps:g} fps ({self.duration:.2f} s), {self.skeleton.name}"
             f"{', ' + tags if tags else ''}{made}>"
         )
+
+    def _repr_png_(self) -> bytes | None:
+        """A strip of its poses, for notebooks; None where nothing that can draw is installed, or it cannot here."""
+        for drawing in entry_points(group=PICTURES):
+            try:
+                return drawing.load()(self)
+            except MotionloomError as problem:
+                log.info("no picture of the motion: %s", problem)
+        return None
 
     @property
     def frames(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -148,3 +149,14 @@ def write_strip(motion: Motion, path: str | Path, frames: list[int] | None = Non
     with atomic_path(path) as temporary:
         picture.save(temporary, format="PNG")
     return path
+
+
+def as_png(motion: Motion, height: int = 200) -> bytes:
+    """A strip as the bytes of a PNG: what a notebook shows of a Motion (entry point `motionloom.pictures`).
+
+    Raises:
+        NoGraphicsError: no OpenGL here.
+    """
+    file = io.BytesIO()
+    Image.fromarray(strip(motion, height=height)).save(file, format="PNG")
+    return file.getvalue()
