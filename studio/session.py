@@ -17,6 +17,7 @@ from typing import Any
 
 import engines
 from studio import draws, tasks, thumbnails
+from studio.dressing import Dressing
 from studio.editing import Editing
 from studio.exchange import Exchange
 from studio.jobs import Job, JobQueue, Work, shared_queue
@@ -66,6 +67,7 @@ class Session:
         self.pins = Pinning(self)
         self.editing = Editing(self)
         self.varying = Varying(self)
+        self.dressing = Dressing(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
         self._draws = 0
@@ -294,6 +296,7 @@ class Session:
             left = [i for i in before[place + 1 :] + before[:place][::-1] if i in ids]
             newest = [take.id for take in takes.group_of(ids[-1])] if ids else [""]
             state.selected = (left or newest)[0]
+        self.dressing.follow()
         if any(i not in ids for i in state.compared):
             state.compared = [i for i in state.compared if i in ids]
         self._restage()

@@ -2,7 +2,8 @@
 
     {"version": 1,
      "generate": {"engine": "action2motion", "action": "walk", "frames": 60, "seed": 7, "count": 4, "take": 2},
-     "export": {"formats": ["bvh", "mp4"], "width": 1280, "height": 720, "camera": "follow"}}
+     "export": {"formats": ["bvh", "mp4"], "width": 1280, "height": 720, "camera": "follow",
+                "body": "anny", "shape": {"weight": 0.7}}}
 
 Every key is optional; a key or value that is not understood is refused with the nearest one that is. What is pinned
 (`constraints`) is described in `studio.pinned`.
@@ -15,7 +16,7 @@ import os
 import re
 import tempfile
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -156,6 +157,10 @@ class ExportSettings:
     """Video: follow, orbit, front, back, left or right."""
     edits: tuple[str, ...] = ()
     """Done to the motion first: smooth, feet (held where they stand), loop, mirror, in_place."""
+    body: str = ""
+    """Of videos, strips and .glb: anny, mannequin, stick, smpl, smplh, smplx or a SMPL model file; empty: the usual."""
+    shape: Mapping[str, float] = field(default_factory=dict)
+    """Sliders of the body and their values, those that are not as usual."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "formats", tuple(self.formats))
@@ -205,7 +210,9 @@ class Settings:
         generate = {f.name: getattr(own, f.name) for f in fields(own)}
         generate |= {"bone_scale": dict(own.bone_scale), "constraints": own.constraints.to_json()}
         generate |= {"then": [list(part) for part in own.then], "blend": dict(own.blend)}
-        export = {**asdict(self.export), "formats": list(self.export.formats), "edits": list(self.export.edits)}
+        export = {f.name: getattr(self.export, f.name) for f in fields(self.export)}
+        export |= {"formats": list(self.export.formats), "edits": list(self.export.edits)}
+        export |= {"shape": dict(self.export.shape)}
         text = json.dumps({"version": VERSION, "generate": generate, "export": export}, indent=2)
         # a row of numbers stays on one line; line breaks inside a string are escaped, so no string is touched
         return re.sub(r"\[\n\s*([-\d.e,\s]+?)\n\s*\]", lambda row: "[" + " ".join(row[1].split()) + "]", text) + "\n"
@@ -284,7 +291,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
     "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
     "then": (list,), "blend": (dict,), "width": (int, type(None)), "height": (int, type(None)),
-    "fps": (int, float, type(None)),
+    "fps": (int, float, type(None)), "body": (str,), "shape": (dict,),
 }  # fmt: skip
 
 
@@ -310,7 +317,7 @@ def _fits(key: str, value: Any) -> bool:
     if key == "then":
         parts = [part for part in value if isinstance(part, list) and len(part) == 2]
         return len(parts) == len(value) and all(isinstance(a, str) and type(n) is int for a, n in parts)
-    if key in ("bone_scale", "blend"):
+    if key in ("bone_scale", "blend", "shape"):
         return all(isinstance(v, int | float) and not isinstance(v, bool) for v in value.values())
     return key not in ("formats", "edits") or all(isinstance(v, str) for v in value)
 

@@ -102,11 +102,21 @@ class StudioState(param.Parameterized):
     undo_name = param.String("", doc="What undo takes back.")
     redo_name = param.String("", doc="What redo brings back.")
 
+    # ---- the body ----
+    bodies = param.List([], doc="Names of the bodies there are (viewers.bodies.available).")
+    body = param.String("anny", doc="The body that takes are shown and exported with.")
+    shape = param.Dict({}, doc="Its sliders and their values, those that are not as usual.")
+    worn = param.Parameter("anny", doc="That body as the stage wears it: a name, or a viewers.bodies.Body.")
+    sliders = param.Parameter((), doc="What can be changed of its shape (viewers.bodies.Slider).")
+    body_error = param.String("", doc="Why the body asked for cannot be shown.")
+
     # ---- which panels are open ----
     compose_tab = param.Selector(
         default="action", objects=["action", "text", "vary", "import"], doc="Tab of the left panel."
     )
-    inspector_tab = param.Selector(default="details", objects=["details", "export"], doc="Tab of the inspector.")
+    inspector_tab = param.Selector(
+        default="details", objects=["details", "body", "export"], doc="Tab of the inspector."
+    )
 
     # ---- work in progress ----
     generating = param.Boolean(False, doc="A draw is under way.")
@@ -172,7 +182,9 @@ class StudioState(param.Parameterized):
     def export_settings(self) -> ExportSettings:
         """How an export would be written."""
         width, height = self.export_size if self.export_format in VIDEO_FORMATS else (None, None)
-        return ExportSettings((self.export_format,), width, height, None, self.export_camera)
+        return ExportSettings(
+            (self.export_format,), width, height, None, self.export_camera, body=self.body, shape=dict(self.shape)
+        )
 
     def problem(self) -> str:
         """Why Generate cannot be pressed; empty when it can."""

@@ -21,6 +21,11 @@ CHANGING = ("favourite", "accepted", "tags", "edits")
 """Fields of a take that a person changes after it was made."""
 PRESENT = "present"
 """Stands in a change for the take itself being on the shelf."""
+PROJECT = 0
+"""Number that stands in a change for the project itself; no take has it."""
+BODY = "body"
+"""Field of a project: the body its takes are shown with, `{"name": "anny", "shape": {"weight": 0.7}}`; empty: as it
+comes."""
 
 
 class Held(Protocol):
@@ -105,12 +110,12 @@ class Take:
 
 @dataclass(frozen=True)
 class Change:
-    """What a step does to one take."""
+    """What a step does to one take, or to the project."""
 
     number: int
-    """Of the take."""
+    """Of the take, or `PROJECT`."""
     fields: Mapping[str, tuple[Any, Any]]
-    """Name -> (value before, value after), of `CHANGING`, or `PRESENT`."""
+    """Name -> (value before, value after), of `CHANGING`, or `PRESENT`; of a project, `BODY`."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +139,11 @@ class TakeStore(Protocol):
     @property
     def redo_name(self) -> str:
         """What the next redo brings back; empty when there is nothing."""
+        ...
+
+    @property
+    def body(self) -> Mapping[str, Any]:
+        """The body that the takes are shown with, as `BODY` says; empty: the usual one."""
         ...
 
     def read(self) -> tuple[Take, ...]:
@@ -179,6 +189,7 @@ class MemoryStore:
         self.done: list[Step] = []
         self.undone: list[Step] = []
         self.numbers = 0
+        self.body: Mapping[str, Any] = {}
 
     @property
     def undo_name(self) -> str:
@@ -238,6 +249,8 @@ class MemoryStore:
 
     def _apply(self, step: Step, after: bool) -> None:
         for change in step.changes:
+            if change.number == PROJECT:
+                self.body = change.fields[BODY][after]
             take = self.known.get(change.number)
             if take is None:
                 continue
@@ -346,6 +359,12 @@ class TakeList:
         if changed:
             name, (_before, after) = next(iter(changed.items()))
             self._do(f"{_verb(name, after)} {take.title.lower()}", [Change(take.number, changed)])
+
+    def dress(self, body: Mapping[str, Any], what: str = "change the body") -> None:
+        """Show the takes with another body, as `BODY` says; `what` names the step."""
+        before = dict(self.store.body)
+        if dict(body) != before:
+            self._do(what, [Change(PROJECT, {BODY: (before, dict(body))})])
 
     def undo(self) -> str:
         """Take the last step back. Returns its name, empty when there was none."""

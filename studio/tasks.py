@@ -135,10 +135,11 @@ def export(
     if kind not in VIDEO_FORMATS:
         if cancel is not None and cancel():
             raise Cancelled("the export was cancelled; no file was left.")
-        return _WRITERS.get(str(kind), Motion.write)(motion.resample(settings.fps) if settings.fps else motion, path)
+        played = motion.resample(settings.fps) if settings.fps else motion
+        return _DRAWN[kind](played, path, _body(settings)) if kind in _DRAWN else played.write(path)
     import viewers
 
-    return viewers.render(motion, path, progress=progress, cancel=cancel, **_video(settings))
+    return viewers.render(_scene(motion, settings), path, progress=progress, cancel=cancel, **_video(settings))
 
 
 def export_pictures(
@@ -151,7 +152,8 @@ def export_pictures(
     """Write the frames of a video as numbered .png into a new folder, by the settings. Returns the folder."""
     from viewers import video
 
-    return video.render_pngs(edited(motion, settings), folder, progress=progress, cancel=cancel, **_video(settings))
+    scene = _scene(edited(motion, settings), settings)
+    return video.render_pngs(scene, folder, progress=progress, cancel=cancel, **_video(settings))
 
 
 def edited(motion: Motion, settings: ExportSettings) -> Motion:
@@ -166,32 +168,48 @@ def _video(settings: ExportSettings) -> dict[str, Any]:
     return {name: getattr(settings, name) for name in ("width", "height", "fps", "camera")}
 
 
-def write_skinned(motion: Motion, path: Path) -> Path:
-    """Write a motion as .glb with the default body over it (the stick figure where that cannot wear it).
+def _body(settings: ExportSettings) -> Any:
+    """The body that a file shows; errors as `viewers.bodies.wanted`."""
+    from viewers import bodies
+
+    return bodies.wanted(settings.body or None, settings.shape)
+
+
+def _scene(motion: Motion, settings: ExportSettings) -> Any:
+    """What a video shows."""
+    from viewers import Scene
+
+    return Scene.of(motion, body=_body(settings))
+
+
+def write_skinned(motion: Motion, path: Path, body: Any = None) -> Path:
+    """Write a motion as .glb with a body over it (the stick figure where the default body cannot wear it).
 
     Raises:
         FormatError: the file cannot be written.
+        SkeletonError: that body cannot wear the motion.
     """
-    from viewers.bodies import body_for
+    from viewers import bodies
 
-    body, played = body_for(motion)
-    return played.write(path, skin=body)
+    worn, played = bodies.body_for(motion, body or bodies.DEFAULT)
+    return played.write(path, skin=worn)
 
 
-def write_strip(motion: Motion, path: Path) -> Path:
+def write_strip(motion: Motion, path: Path, body: Any = None) -> Path:
     """Write poses of a motion side by side as .png, spread from its first frame to its last.
 
     Raises:
         FormatError: the file cannot be written.
         NoGraphicsError: no OpenGL here.
+        SkeletonError: that body cannot wear the motion.
     """
-    from viewers import strips
+    from viewers import bodies, strips
 
-    return strips.write_strip(motion, path)
+    return strips.write_strip(motion, path, body=body or bodies.DEFAULT)
 
 
-_WRITERS: dict[str, Callable[[Motion, Path], Path]] = {"glb": write_skinned, "png": write_strip}
-"""Formats for which a viewer has to help."""
+_DRAWN: dict[str | None, Callable[[Motion, Path, Any], Path]] = {"glb": write_skinned, "png": write_strip}
+"""Formats for which a viewer has to help, and that show a body."""
 
 
 def slug(text: str) -> str:

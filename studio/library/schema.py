@@ -28,7 +28,7 @@ from sqlalchemy import (
     update,
 )  # fmt: skip
 
-VERSION = 1
+VERSION = 2
 """Version of the schema written; later ones are refused, earlier ones brought forward."""
 
 tables = MetaData()
@@ -53,6 +53,7 @@ projects = Table(
     Column("touched", Boolean, nullable=False, comment="A person did something in it."),
     Column("numbers", Integer, nullable=False, comment="Highest number a take of it ever had."),
     Column("revision", Integer, nullable=False, comment="Grows with every write."),
+    Column("body", Text, comment="JSON: the body its takes are shown with, and its shape; empty: as it comes."),
 )
 
 motions = Table(
@@ -96,12 +97,17 @@ steps = Table(
     Column("project", String(32), nullable=False, index=True),
     Column("uid", String(32), nullable=False, unique=True, comment="A step sent twice is done once."),
     Column("name", Text, nullable=False),
-    Column("changes", Text, nullable=False, comment="JSON: [[number, {field: [before, after]}], ...]."),
+    Column("changes", Text, nullable=False, comment="JSON: [[number, {field: [before, after]}], ...]; 0: the project."),
     Column("undone", Boolean, nullable=False),
     ForeignKeyConstraint(["project"], ["projects.key"], ondelete="CASCADE"),
 )
 
-MIGRATIONS: dict[int, Callable[[Connection], None]] = {}
+
+def _add_body(connection: Connection) -> None:
+    connection.exec_driver_sql("alter table projects add column body text")
+
+
+MIGRATIONS: dict[int, Callable[[Connection], None]] = {1: _add_body}
 """Version -> what brings a database of it to the next one."""
 
 

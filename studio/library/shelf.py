@@ -7,10 +7,11 @@ next one or with `refresh`. What others write to the same project is seen by its
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection, select, update
 
@@ -60,6 +61,11 @@ class Shelf:
         self._load()
 
     # ---- as every TakeStore -------------------------------------------------------------------------------
+
+    @property
+    def body(self) -> Mapping[str, Any]:
+        """The body that the takes are shown with."""
+        return self._mirror.body
 
     @property
     def undo_name(self) -> str:
@@ -178,6 +184,7 @@ class Shelf:
         for row in steps:
             (mirror.undone if row.undone else mirror.done).append(rows.to_step(row))
         mirror.undone.reverse()
+        mirror.body = json.loads(project.body) if project.body else {}
         self._mirror, self._revision = mirror, project.revision
 
     def _take(self, row, known: Take | None) -> Take:

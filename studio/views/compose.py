@@ -118,7 +118,7 @@ def _constraints(session: Session) -> Constraints:
 
 
 def _advanced(session: Session) -> pn.Card:
-    """Strength of guidance, best of several, and lengths of bones, where the engine has them."""
+    """Strength of guidance, and best of several, where the engine has them."""
     state = session.state
     guidance = dressed(
         pn.widgets.FloatSlider, label="Guidance (0: freely, 10: to the letter)", start=0.0, end=MAX_GUIDANCE,
@@ -129,17 +129,11 @@ def _advanced(session: Session) -> pn.Card:
     state.param.watch(lambda event: setattr(guidance, "value", event.new), "guidance")
     guidance.param.watch(lambda event: setattr(state, "guidance", event.new), "value_throttled")
     tie(best, state, value="best_of")
-    title, body, about = html(), _body(session), html("<p class='hint' style='margin:4px 0 0'>Body proportions</p>")
-    card = fold(title, guidance, best, about, *body)
+    card = fold(html("<span class='fold'>Advanced</span>"), guidance, best)
 
     def show(*_: Any) -> None:
         guidance.visible, best.visible = "guidance" in state.capabilities, "best_of" in state.capabilities
-        scaled, more = "scale_bones" in state.capabilities, guidance.visible or best.visible
-        for part in body:
-            part.visible = scaled
-        about.visible = scaled and more
-        card.visible = scaled or more
-        title.object = f"<span class='fold'>{'Advanced' if more else 'Body proportions'}</span>"
+        card.visible = guidance.visible or best.visible
 
     state.param.watch(show, "capabilities")
     show()
@@ -256,38 +250,6 @@ def _engine(session: Session) -> tuple[pn.widgets.Select, pn.widgets.Select]:
     engine.param.watch(lambda event: state.param.update(engine=event.new, variant=""), "value")
     variant.param.watch(lambda event: state.param.update(variant=event.new), "value")
     return engine, variant
-
-
-_BONES = {
-    "Legs": ("left_knee", "right_knee", "left_ankle", "right_ankle"),
-    "Arms": ("left_elbow", "right_elbow", "left_wrist", "right_wrist"),
-    "Torso": ("spine1", "spine2", "spine3", "neck"),
-    "Shoulders": ("left_shoulder", "right_shoulder"),
-}
-
-
-def _body(session: Session) -> list[pn.widgets.FloatSlider]:
-    """Length of bones."""
-    state = session.state
-    sliders = {
-        name: dressed(pn.widgets.FloatSlider, label=name, start=0.7, end=1.3, step=0.01, value=1.0, format="0.00")
-        for name in _BONES
-    }
-
-    def asked(*_: Any) -> None:
-        factors = {joint: s.value for name, s in sliders.items() for joint in _BONES[name] if s.value != 1.0}
-        if factors != state.bone_scale:
-            state.bone_scale = factors
-
-    def show(*_: Any) -> None:
-        for name, slider in sliders.items():
-            slider.value = state.bone_scale.get(_BONES[name][0], 1.0)
-
-    for slider in sliders.values():
-        slider.param.watch(asked, "value_throttled")
-    state.param.watch(show, "bone_scale")
-    show()
-    return list(sliders.values())
 
 
 def generate_button(session: Session) -> Generate:

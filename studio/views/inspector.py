@@ -17,6 +17,7 @@ from studio.session import Session
 from studio.settings import GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
+from studio.views.body import body_panel, proportions
 from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments, Tags
 from studio.wording import duration
@@ -45,21 +46,22 @@ _ABOUT = {
 
 
 def inspector(session: Session) -> pn.Column:
-    """Two tabs: Details and Export."""
+    """Three tabs: Details, Body and Export."""
     state = session.state
     tabs = Segments(
-        options=[("details", "Details"), ("export", "Export")], role="tablist", label="Inspector",
+        options=[("details", "Details"), ("body", "Body"), ("export", "Export")], role="tablist", label="Inspector",
         sizing_mode="stretch_width", margin=0,
     )  # fmt: skip
     tie(tabs, state, value="inspector_tab")
-    details, export = _details(session), _export(session)
+    parts = {"details": _details(session), "body": body_panel(session), "export": _export(session)}
 
     def show(*_: Any) -> None:
-        details.visible, export.visible = state.inspector_tab == "details", state.inspector_tab == "export"
+        for name, part in parts.items():
+            part.visible = state.inspector_tab == name
 
     state.param.watch(show, "inspector_tab")
     show()
-    return column(tabs, details, export)
+    return column(tabs, *parts.values())
 
 
 # ---- details ----------------------------------------------------------------------------------------------
@@ -124,7 +126,6 @@ def _made(take: Take) -> str:
         rows = {"File": escape(take.source), "Length": length, "Skeleton": escape(joints)}
     else:
         drawn = take.settings
-        scaled = ", ".join(f"{joint} × {factor:g}" for joint, factor in drawn.bone_scale.items())
         rows = {
             "Engine": escape(" · ".join(part for part in (drawn.engine, drawn.variant) if part)),
             "Weights": f"{made.weights[:4]}…{made.weights[-4:]}" if made.weights else "",
@@ -136,7 +137,7 @@ def _made(take: Take) -> str:
             "Seed": f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
             "Blend": _blend(drawn),
             "Length": length,
-            "Proportions": escape(scaled),
+            "Proportions": escape(proportions(drawn.bone_scale)),
             "Guidance": f"{drawn.guidance:g}" if "guidance" in made.parameters else "",
             "Best of": f"{drawn.best_of}" if drawn.best_of > 1 else "",
         }

@@ -228,6 +228,19 @@ class Upload(Part):
     _stylesheets = _style("upload")
 
 
+class BodyPanel(Part):
+    """The body that takes are shown with, and the bones of those to come."""
+
+    bodies = param.List([], doc="Dicts name, text.")
+    body = param.String("")
+    sliders = param.List([], doc="Of its shape, dicts: name, text, ends, low, high, step, usual, value.")
+    bones = param.List([], doc="The same of bones; empty: the engine takes no lengths.")
+    error = param.String("")
+    note = param.String("")
+    _esm = _script("body")
+    _stylesheets = _style("body")
+
+
 class ExportBox(Part):
     """The export under way and its outcome."""
 

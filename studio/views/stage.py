@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 
 from engines import Motion
+from engines.errors import MotionloomError
 from studio.edits import WORDS
 from studio.pinning import as_shown
 from studio.session import Session
@@ -48,6 +49,7 @@ class _Stage:
         self.motions: list[Motion] = []
         session.state.param.watch(self._show, ["shown", "takes", "edited", "preview"])
         session.state.param.watch(self._reselect, "selected")
+        session.state.param.watch(self._dress, "worn")
         self._show()
 
     def _show(self, *_: Any) -> None:
@@ -91,8 +93,8 @@ class _Stage:
 
         state = self.session.state
         player = PanelPlayer(
-            self.motions, labels=names, height=None, sizing_mode="stretch_both", margin=0, theme=state.theme,
-            global_keys=True, playing=state.frame < 0, frame=max(0, state.frame),
+            self.motions, body=state.worn, labels=names, height=None, sizing_mode="stretch_both", margin=0,
+            theme=state.theme, global_keys=True, playing=state.frame < 0, frame=max(0, state.frame),
             editable=",".join(f"{name}={WORDS[name]}" for name in EDITS),
         )  # fmt: skip
         tie(player, state, theme="theme", tool="tool")
@@ -102,6 +104,15 @@ class _Stage:
         player.param.watch(self._drawn, "drawn")
         player.param.watch(self._edited, "edits")
         return player
+
+    def _dress(self, *_: Any) -> None:
+        """Show the same takes with another body."""
+        if self.player is None:
+            return
+        try:
+            self.player.wear(self.session.state.worn)
+        except MotionloomError as problem:
+            self.session.state.body_error = str(problem)
 
     # ---- what the person does in it -----------------------------------------------------------------------
 

@@ -66,6 +66,8 @@ export = st.builds(
     height=st.none() | st.integers(32, 2048).map(lambda n: 2 * n),
     fps=st.none() | st.floats(1, 240),
     camera=st.sampled_from(CAMERAS),
+    body=st.sampled_from(["", "anny", "SMPLX_NEUTRAL.npz"]),
+    shape=st.dictionaries(st.sampled_from(["weight", "beta1"]), st.floats(-5, 5), max_size=2),
 )
 
 

@@ -226,7 +226,8 @@ def test_another_engine_has_only_its_own_controls(pinning):
     for name in ("Constraints", "Advanced"):
         expect(page.get_by_role("button", name=name)).to_be_hidden()
     expect(page.get_by_label("Style")).to_be_hidden()
-    expect(page.get_by_role("button", name="Body proportions")).to_be_visible()
+    page.get_by_role("tab", name="Body").click()
+    expect(page.get_by_role("region", name="Bones of the next takes")).to_be_visible()
     page.get_by_label("Engine", exact=True).select_option("stand-in")
     expect(page.get_by_role("tab", name="Text")).to_be_visible()
     expect(page.get_by_label("Style")).to_be_visible()

@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from engines.errors import OutOfRangeError, UnknownLabelError
+from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.motion import Motion
 from viewers import bodies
 from viewers.bodies.body import Body
@@ -143,6 +143,23 @@ class Player(Controls):
         if body_data != self.body_data:
             self.body_data = body_data
         self.take_data = take_data
+
+    def wear(self, body: str | Body | None) -> None:
+        """Shows the same motions with another body.
+
+        Args:
+            body: name of a body, or one; None shows skeletons only.
+
+        Raises:
+            UnknownLabelError: no body of that name.
+            SkeletonError: that body cannot wear one of the motions; everything stays as it was.
+        """
+        before, self._body = self._body, body
+        try:
+            self.show_motions(self._actors)
+        except MotionloomError:
+            self._body = before
+            raise
 
     @property
     def payload_bytes(self) -> tuple[int, int]:
