@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import base64
+import logging
 from collections.abc import Sequence
 from typing import Any
 
 import anywidget
 import traitlets
 
+from engines.errors import MotionloomError
 from viewers import bodies
 from viewers.bodies.body import Body
 from viewers.web.controls import BUNDLE, FROM_BROWSER, OPTIONS, PAYLOADS, Motions, Option, Player, check_option
 from viewers.web.standalone import Framed, page
+
+log = logging.getLogger(__name__)
 
 
 def trait(option: Option) -> traitlets.TraitType:
@@ -60,6 +65,24 @@ class MotionPlayer(_Traits, Player):
         super().__init__(height=height, **{name: check_option(name, value, known) for name, value in options.items()})
         self._body = body
         self.show_motions(motions, labels)
+
+    def picture(self) -> dict[str, str]:
+        """The picked motion's poses as `image/png`, base64, for readers without widgets; empty without OpenGL."""
+        from viewers import strips
+
+        place = self.selected if 0 <= self.selected < len(self._actors) else 0
+        try:
+            return {"image/png": base64.b64encode(strips.as_png(self._actors[place].motion)).decode("ascii")}
+        except MotionloomError as problem:
+            log.info("no picture of the motion: %s", problem)
+            return {}
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """The widget, and a strip of poses where a notebook is read without widgets."""
+        bundle = super()._repr_mimebundle_(**kwargs)
+        if bundle is not None:
+            bundle.update(self.picture())
+        return bundle
 
     def embed(self) -> Framed:
         """The player as it is now, self-contained: for notebooks that are exported and read without a network.

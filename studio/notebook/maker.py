@@ -1,0 +1,192 @@
+"""What happens when a person asks an engine for motions from a notebook. No widgets in here."""
+
+from __future__ import annotations
+
+import random
+import threading
+import uuid
+from typing import Any
+
+from engines import Motion
+from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
+from studio import draws, tasks
+from studio.jobs import Cancel, Job, JobQueue, Progress, shared_queue
+from studio.pinning import Pinning
+from studio.session import LONGEST_PINNED
+from studio.settings import GenerateSettings, usual_engine
+from studio.state import StudioState
+from studio.takes import Take, TakeList
+
+BEGIN = ("action", "style", "prompt", "seconds", "count", "seed", "guidance", "best_of", "bone_scale")
+"""Settings that a maker may begin with."""
+
+
+class Maker:
+    """An engine, what it is asked, and the takes it made.
+
+    `state` is what the controls show and change, as in the app. Work runs on the job queue's threads, and what comes
+    of it is put into the state there, under `lock`; whoever changes the state from elsewhere holds it too.
+
+    Args:
+        engine: name of an engine, or one that is loaded.
+        queue: where work runs; the process's shared one unless given.
+        settings: to begin with, of `BEGIN`.
+
+    Raises:
+        UnknownLabelError: no such engine, setting, action or style.
+        OutOfRangeError: a value that is not accepted.
+    """
+
+    def __init__(self, engine: Any = "", queue: JobQueue | None = None, **settings: Any) -> None:
+        named = isinstance(engine, str)
+        self.engine = tasks.load_engine(engine or usual_engine()) if named else engine
+        self.queue = queue or shared_queue()
+        self.lock = threading.RLock()
+        self.takes = TakeList(on_change=self._takes_changed)
+        self.state = StudioState(engine=self.engine.name)
+        # one that was brought along has its own weights; another variant would be another engine
+        self.choice = tuple(getattr(self.engine, "variants", ())) if named else ()
+        self.pins = Pinning(self)  # type: ignore[arg-type]  # of a session it uses the state alone
+        self._id = uuid.uuid4().hex
+        self._drawing: Job | None = None
+        self._settled = threading.Event()
+        self._settled.set()
+        self._describe()
+        self._begin(settings)
+        self._draws = 0
+
+    # ---- asking -------------------------------------------------------------------------------------------
+
+    def generate(self) -> None:
+        """Draw takes by the state's settings; a seed that is not locked is changed first (not on the first draw).
+
+        Raises:
+            MotionloomError: something is asked that cannot be; the message says what.
+        """
+        with self.lock:
+            state = self.state
+            if state.generating:
+                return
+            if state.problem():
+                raise MotionloomError(state.problem())
+            if self._draws and not state.seed_locked:
+                state.seed = random.randrange(10_000)
+            self._draws += 1
+            asked = state.generate_settings()
+            self._settled.clear()
+            state.param.update(generating=True, generate_progress=0.0, generate_error="", generate_note="", tool="none")
+            title = f"{asked.count} × {asked.subject[:60]}"
+            self._drawing = self.queue.submit(
+                self._id, title, lambda *told: self._draw(asked, *told), on_change=self._heard
+            )
+
+    def cancel(self) -> None:
+        """Stop the draw under way."""
+        if self._drawing is not None:
+            self._drawing.cancel()
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Block until no draw is under way; False when the time ran out first."""
+        return self._settled.wait(timeout)
+
+    def load(self, variant: str) -> None:
+        """Another variant of the engine.
+
+        Raises:
+            CheckpointError: its weights are missing.
+        """
+        with self.lock:
+            if variant != self.engine.variant:
+                self.engine = tasks.load_engine(self.engine.name, variant)
+                self._describe()
+
+    def choose(self, take_id: str) -> None:
+        """Pick a take."""
+        with self.lock:
+            if take_id in self.takes:
+                self.state.selected = take_id
+
+    @property
+    def drawn(self) -> tuple[Take, ...]:
+        """The takes of the draw of the chosen one."""
+        return self.takes.group_of(self.state.selected)
+
+    # ---- what comes of it ---------------------------------------------------------------------------------
+
+    def _draw(self, asked: GenerateSettings, progress: Progress, cancel: Cancel) -> Any:
+        made: list[Motion] = list(
+            self.engine.generate_many(
+                asked.action or None, count=asked.count, frames=asked.frames, seed=asked.seed, progress=progress,
+                cancel=cancel, **tasks.told(asked, self.engine),
+            )
+        )  # fmt: skip
+        return asked, made, [dict(tasks.measure(motion)) for motion in made]
+
+    def _heard(self, job: Job) -> None:
+        with self.lock:
+            if job is not self._drawing:
+                return
+            state = self.state
+            state.generate_progress = job.fraction
+            if not job.finished:
+                return
+            try:
+                if job.status == "failed":
+                    state.generate_error = job.error
+                elif job.status == "cancelled":
+                    state.message = f"Cancelled: {job.title}"
+                else:
+                    asked, motions, metrics = job.result
+                    made = self.takes.add(motions, group=uuid.uuid4().hex, settings=asked, metrics=metrics)
+                    state.param.update(selected=made[0].id, generate_note=draws.note_of(motions), message="")
+            finally:
+                state.generating = False
+                self._settled.set()
+
+    def _takes_changed(self, takes: TakeList) -> None:
+        self.state.takes = takes.all
+
+    # ---- what the engine can do ---------------------------------------------------------------------------
+
+    def _describe(self) -> None:
+        """Copy what the engine says about itself into the state."""
+        engine, state = self.engine, self.state
+        known = [action.name for action in engine.actions]
+        can = frozenset(engine.capabilities)
+        state.param.update(
+            variant=engine.variant, capabilities=can, actions=tuple(engine.actions),
+            styles=[str(style) for style in getattr(engine, "styles", ())], variants=list(self.choice),
+            max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)), fps=float(engine.fps),
+            max_frames=int(engine.max_frames), licence=engine.licence, weights_hash=engine.weights_hash,
+            action=state.action if state.action in known or not known else known[0],
+            request="action" if known else "text", engine_ready=True,
+        )  # fmt: skip
+
+    def _begin(self, given: dict[str, Any]) -> None:
+        for name in given:
+            if name not in BEGIN:
+                raise UnknownLabelError("setting", name, BEGIN)
+        if given.get("prompt") and given.get("action"):
+            raise MotionloomError("an action and a prompt cannot be asked at once; give one of them.")
+        told = {name: given[name] for name in ("style", "prompt", "guidance", "best_of", "bone_scale") if name in given}
+        tasks.told(GenerateSettings(engine=self.engine.name, **told), self.engine)
+        if given.get("style") and given["style"] not in self.state.styles:
+            raise UnknownLabelError("style", given["style"], self.state.styles)
+        for name, value in given.items():
+            self._set(name, value)
+        if given and self.state.problem():
+            raise MotionloomError(self.state.problem())
+
+    def _set(self, name: str, value: Any) -> None:
+        if name == "seconds":
+            name, value = "frames", round(float(value) * self.state.fps)
+        try:
+            self.state.param.update(**{name: value})
+        except ValueError:
+            bounds = getattr(self.state.param[name], "bounds", None)
+            accepted = (
+                f"{bounds[0]:,} to {bounds[1]:,}" if bounds else f"a value like {self.state.param[name].default!r}"
+            )
+            raise OutOfRangeError(name, value, accepted) from None
+        if name == "prompt" and value:
+            self.state.request = "text"
