@@ -12,6 +12,7 @@ from engines import Motion
 from engines.errors import MotionloomError
 from studio import tasks, thumbnails, variations
 from studio.jobs import Job
+from studio.mapping import Mapping
 from studio.pinned import Kept, Pinned
 from studio.settings import BLEND_STEPS, GenerateSettings
 from studio.takes import Take
@@ -45,6 +46,7 @@ class Varying:
 
     def __init__(self, session: Session) -> None:
         self.session = session
+        self.map = Mapping(session)
         self._between: tuple[str, list[Motion]] = ("", [])
         """What lies between two takes, and which two."""
         state = session.state

@@ -1,4 +1,4 @@
-// What can be made of takes: a blend of two, another action from the playhead on, other ways to go on.
+// What can be made of takes: a blend of two; or, as the section says, another action from the playhead on, other ways to go on.
 export function render(part) {
   const {model} = part
   const send = (what, more = {}) => model.send_msg({do: what, ...more})
@@ -30,7 +30,7 @@ export function render(part) {
     h("label", {for: "next-action"}, "What follows"), action, known,
     h("div", {class: "pair"}, h("div", {}, h("label", {for: "next-seconds"}, "Seconds"), seconds), h("div", {}, h("label", {for: "next-ways"}, "Ways"), ways)),
     goOn, h("p", {class: "hint about"}, "Keeps the take as it is up to the playhead."), change, h("p", {class: "hint about"}, "Draws anew: its action up to the playhead, then this one."), stop, fault)
-  mount(part, [h("div", {class: "vary"}, blend, later)])
+  mount(part, [model.section === "later" ? later : blend])
 
   const choices = (field, value, other) => {
     const rest = model.sources.filter(({id}) => id !== other || id === value)

@@ -118,6 +118,7 @@ class Prompt(Part):
 
     value = param.String("")
     limit = param.Integer(1000)
+    understood = param.String("", doc="What the engine makes of it.")
     _esm = _script("prompt")
     _stylesheets = _style("prompt")
 
@@ -144,8 +145,9 @@ class Constraints(Part):
 
 
 class Vary(Part):
-    """What can be made of takes: a blend of two, other ways on from the playhead."""
+    """What can be made of takes: a blend of two, or other ways on from the playhead."""
 
+    section = param.Selector(default="blend", objects=["blend", "later"], doc="Which of both.")
     sources = param.List([], doc="Dicts id, text: takes that may be blended.")
     first = param.String("")
     second = param.String("")
@@ -166,6 +168,25 @@ class Vary(Part):
     go_problem = param.String("")
     _esm = _script("vary")
     _stylesheets = _style("vary")
+
+
+class ActionMap(Part):
+    """Many draws of an action as points; a place among them is chosen and kept."""
+
+    action = param.String("", doc="The action it is of; empty: none is drawn yet.")
+    asked = param.String("", doc="The action that a new one would be of.")
+    problem = param.String("", doc="Why none can be drawn.")
+    points = param.List([], doc="[x, y] of each draw, 0 to 1, y upwards.")
+    pictures = param.List([], doc="A picture of each; empty until it is drawn.")
+    at = param.Parameter((), doc="(x, y) of the place chosen; empty: none.")
+    ends = param.List([], doc="Indices of the draws it lies between.")
+    line = param.List([], doc="[x, y] of what lies between them.")
+    words = param.String("")
+    busy = param.Boolean(False)
+    progress = param.Number(0.0)
+    error = param.String("")
+    _esm = _script("action_map")
+    _stylesheets = _style("action_map")
 
 
 class ActionGrid(Part):

@@ -5,16 +5,44 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import panel as pn
+
 from studio.session import Session
 from studio.takes import Take
 from studio.views.binding import follow, tie
-from studio.views.parts import Vary
+from studio.views.forms import column
+from studio.views.parts import ActionMap, Vary
 
 
-def vary(session: Session) -> Vary:
-    """A blend of two takes, another action from the playhead on, other ways to go on."""
+def vary(session: Session) -> pn.Column:
+    """What can be made of takes, and the map of an action."""
+    return column(_takes(session, "blend"), _map(session), _takes(session, "later"), gap=18)
+
+
+def _map(session: Session) -> ActionMap:
+    """Draws of an action as points, and what lies between them."""
+    state, mapping = session.state, session.varying.map
+    part = ActionMap(sizing_mode="stretch_width", margin=0)
+    shown = ["action", "points", "pictures", "at", "ends", "line", "words", "busy", "progress", "error"]
+    follow(part, mapping.state, shown, lambda: {name: getattr(mapping.state, name) for name in shown})
+
+    def offered() -> dict[str, Any]:
+        action = " ".join(state.action.lower().split())
+        able = "interpolate" in state.capabilities
+        return {"asked": action, "problem": mapping.problem(), "visible": able or not state.engine_ready}
+
+    follow(part, state, ["action", "actions", "capabilities", "engine_ready", "engine"], offered)
+    part.on("draw", lambda _: mapping.draw())
+    part.on("cancel", lambda _: mapping.cancel())
+    part.on("move", lambda message: mapping.move(message["x"], message["y"]))
+    part.on("keep", lambda _: mapping.keep())
+    return part
+
+
+def _takes(session: Session, section: str) -> Vary:
+    """A blend of two takes; or another action from the playhead on, and other ways to go on."""
     state, varying = session.state, session.varying
-    part = Vary(sizing_mode="stretch_width", margin=0)
+    part = Vary(section=section, sizing_mode="stretch_width", margin=0)
     tie(
         part, state, first="blend_from", second="blend_to", share="blend_share", strip="blend_strip",
         problem="blend_problem", between="blend_ready", mixing="blending", selected="selected", action="next_action",

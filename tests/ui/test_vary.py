@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import expect
 
 import engines
+from studio.mapping import stands_for
 from tests.ui.conftest import wait_for
 from tests.ui.test_studio import download, generate
 
@@ -131,3 +132,40 @@ def test_from_the_playhead_on_with_the_keyboard(tab, tmp_path, button):
         np.testing.assert_allclose(made.positions[:30], start.positions[:30], atol=1e-4)
     else:
         assert made.label_at(0) == "walk"
+
+
+def test_a_place_on_the_map_is_chosen_looked_at_and_kept(tab, tmp_path):
+    page, keys = tab.page, tab.page.keyboard
+    page.get_by_role("tab", name="Vary").click()
+    page.get_by_role("button", name="Draw the map of “walk”").click()
+    themap = page.get_by_role("application", name="Map of walk")
+    themap.wait_for()
+    dots = themap.locator(".dot")
+    expect(dots).to_have_count(40)
+    themap.focus()
+    keys.press("ArrowRight")
+    wait_for(lambda: re.match(r"Draw \d+|\d+ % from draw", names(tab)[0]), "what is there to be shown")
+    at = themap.locator(".point").get_attribute("cx")
+    keys.press("Shift+ArrowUp")
+    keys.press("ArrowLeft")
+    wait_for(lambda: themap.locator(".point").get_attribute("cx") != at, "the point to move")
+    dots.nth(11).click(force=True)
+    wait_for(lambda: names(tab) == ["Draw 12"], "the draw that was pressed")
+    expect(themap.locator("img.peek")).to_have_attribute("src", re.compile("^data:image"))
+    points = np.array(
+        themap.evaluate("(map) => [...map.querySelectorAll('.dot')].map(d => [d.cx, d.cy].map(c => c.baseVal.value))")
+    )
+    points = np.stack([points[:, 0], 240 - points[:, 1]], axis=1) / 240
+    x, y = next(
+        at for at in np.random.default_rng(0).uniform(0.2, 0.8, (500, 2)) if 0.3 < stands_for(points, at).share < 0.7
+    )
+    box = themap.bounding_box()
+    page.mouse.click(box["x"] + x * box["width"], box["y"] + (1 - y) * box["height"])
+    wait_for(lambda: "from draw" in names(tab)[0], "what lies between to be shown")
+    wait_for(lambda: themap.locator(".way").get_attribute("points"), "what lies between to be worked out")
+    shown = tab.player("[...player.actors[0].pose.places.slice(0, 60)]")
+    keys.press("Enter")
+    tab.takes(5)
+    wait_for(lambda: names(tab) == ["Take 5"], "it to be kept")
+    tab.player("player.seek(0)")
+    np.testing.assert_allclose(tab.player("[...player.actors[0].pose.places.slice(0, 60)]"), shown, atol=1e-3)

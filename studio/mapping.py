@@ -1,0 +1,333 @@
+"""A map of an action: many draws of it as points, like beside like, and what lies between them.
+
+Engines go from one draw to another, so a place on the map stands on the line between two draws near it.
+"""
+
+from __future__ import annotations
+
+import random
+import uuid
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import param
+from jaxtyping import Float
+
+from engines import Motion
+from studio import tasks, thumbnails, variations
+from studio.jobs import Cancel, Job, Progress
+from studio.settings import BLEND_STEPS, MAX_SEED, GenerateSettings
+
+if TYPE_CHECKING:
+    from studio.session import Session
+
+DRAWS = 40
+"""Points of a map, drawn with two seeds."""
+NEAR = 5
+"""So many of the draws nearest to a place may be ends of a line that it stands on."""
+SNAP = 0.025
+"""Nearer to a draw than that, as a share of the map's width, is that draw."""
+MARGIN = 0.06
+"""Of the map's width, around the outermost draws."""
+_POSES = 16
+_AT_HAND = 24
+_PICTURES_AT_ONCE = 8
+
+
+@dataclass(frozen=True)
+class Place:
+    """What a place on the map stands for."""
+
+    first: int
+    """The draw it begins with."""
+    second: int
+    """The one it goes over to; the same where it is that draw."""
+    share: float
+    """How far, 0 to 1 in steps of 0.05."""
+
+
+class MapState(param.Parameterized):
+    """What a view shows of the map."""
+
+    action = param.String("", doc="The action it is of; empty: none is drawn yet.")
+    points = param.List([], doc="[x, y] of each draw, 0 to 1, y upwards.")
+    pictures = param.List([], doc="A picture of each as a data URI; empty until it is drawn.")
+    at = param.Parameter((), doc="(x, y) of the place chosen; empty: none.")
+    ends = param.List([], doc="Indices of the draws it lies between; one where it is that draw.")
+    line = param.List([], doc="[x, y] of what lies between these two, from end to end; empty until it is worked out.")
+    words = param.String("", doc="What is shown, in words.")
+    busy = param.Boolean(False, doc="The draws are made.")
+    progress = param.Number(0.0, bounds=(0, 1), doc="How many of them.")
+    error = param.String("", doc="Why there is no map.")
+
+
+class Plane:
+    """The two directions in which motions differ most, with the map's edges.
+
+    Args:
+        motions: of one length; two or more.
+    """
+
+    def __init__(self, motions: Sequence[Motion]) -> None:
+        rows = np.stack([_seen(motion) for motion in motions])
+        self._middle = rows.mean(axis=0)
+        directions = np.linalg.svd(rows - self._middle, full_matrices=False)[2][:2]
+        # towards the side where the largest weight is positive, so that the same draws give one map
+        largest = np.abs(directions).argmax(axis=1)
+        self._directions = directions * np.sign(directions[np.arange(len(directions)), largest])[:, None]
+        flat = (rows - self._middle) @ self._directions.T
+        self._low, self._size = flat.min(axis=0), np.maximum(np.ptp(flat, axis=0), 1e-6)
+
+    def places(self, motions: Sequence[Motion]) -> Float[np.ndarray, "N 2"]:
+        """(N, 2) places of motions of that length, 0 to 1 within the map."""
+        flat = (np.stack([_seen(motion) for motion in motions]) - self._middle) @ self._directions.T
+        return MARGIN + (flat - self._low) / self._size * (1 - 2 * MARGIN)
+
+
+def _seen(motion: Motion) -> np.ndarray:
+    """Joint positions over time in a row, metres: what motions are compared by."""
+    frames = np.round(np.linspace(0, len(motion) - 1, _POSES)).astype(int)
+    return motion.positions[frames].ravel()
+
+
+def stands_for(points: Float[np.ndarray, "N 2"], at: Sequence[float]) -> Place:
+    """The draw at a place, or the line between two of the nearest draws that passes nearest to it.
+
+    Args:
+        points: (N, 2) of the draws.
+        at: (x, y).
+    """
+    here = np.asarray(at, dtype=np.float64)
+    away = np.linalg.norm(points - here, axis=1)
+    nearest = np.argsort(away, kind="stable")[:NEAR]
+    if away[nearest[0]] <= SNAP or len(points) == 1:
+        return Place(int(nearest[0]), int(nearest[0]), 0.0)
+    best = (np.inf, Place(int(nearest[0]), int(nearest[0]), 0.0))
+    for a, b in combinations(nearest.tolist(), 2):
+        along = points[b] - points[a]
+        share = float(np.clip((here - points[a]) @ along / max(float(along @ along), 1e-12), 0.0, 1.0))
+        off = float(np.linalg.norm(points[a] + share * along - here))
+        step = round(share * (BLEND_STEPS - 1)) / (BLEND_STEPS - 1)
+        best = min(best, (off, Place(a, b, round(step, 2))), key=lambda found: found[0])
+    place = best[1]
+    if place.share in (0.0, 1.0):
+        end = place.first if place.share == 0.0 else place.second
+        return Place(end, end, 0.0)
+    return place
+
+
+class Mapping:
+    """The map of one session.
+
+    Args:
+        session: whose takes are made of it; it shows what is chosen in the state's `preview`.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.state = MapState()
+        self._asked: list[GenerateSettings] = []
+        """What makes each draw."""
+        self._motions: list[Motion] = []
+        self._plane: Plane | None = None
+        self._points = np.zeros((0, 2))
+        self._place: Place | None = None
+        self._between: OrderedDict[tuple[int, int], list[Motion]] = OrderedDict()
+        self._working = False
+        self._jobs: list[Job] = []
+
+    # ---- the draws ----------------------------------------------------------------------------------------
+
+    def draw(self) -> None:
+        """Draw the chosen action many times and put the draws on the map."""
+        state, session = self.state, self.session
+        if state.busy:
+            return
+        self.cancel()
+        problem = self.problem()
+        if problem:
+            state.error = problem
+            return
+        asked = _draws(session.state.generate_settings(), session.state.action)
+        state.param.update(busy=True, progress=0.0, error="", words="")
+
+        def work(progress: Progress, cancel: Cancel) -> tuple[list[Motion], Plane]:
+            made: list[Motion] = []
+            for settings in asked:
+                before = len(made)
+                made += tasks.generate(settings, lambda done, _all, b=before: progress(b + done, DRAWS), cancel)
+            return made, Plane(made)
+
+        def show(job: Job) -> None:
+            state.progress = job.fraction
+            if not job.finished:
+                return
+            state.busy = False
+            if job.status == "failed":
+                state.error = job.error
+            elif job.status == "done":
+                self._lay_out(asked, *job.result)
+
+        self._jobs = [session.submit(f"map of {asked[0].action}", work, show)]
+
+    def cancel(self) -> None:
+        """Stop drawing the map, and its pictures."""
+        for job in self._jobs:
+            job.cancel()
+
+    def problem(self) -> str:
+        """Why no map can be drawn; empty where it can."""
+        state = self.session.state
+        if not state.engine_ready:
+            return "Loading the engine…"
+        if "interpolate" not in state.capabilities:
+            return f"{state.engine} cannot go over from one draw to another."
+        if not state.action.strip() or state.nearest_actions():
+            return "Choose an action that this engine knows."
+        return ""
+
+    def _lay_out(self, asked: list[GenerateSettings], motions: list[Motion], plane: Plane) -> None:
+        self._asked = [replace(each, take=take) for each in asked for take in range(1, each.count + 1)]
+        self._motions, self._plane = motions, plane
+        self._points, self._place = plane.places(motions), None
+        self._between.clear()
+        self.state.param.update(
+            action=asked[0].action, points=self._points.round(4).tolist(), pictures=[""] * len(motions), at=(),
+            ends=[], line=[], words="",
+        )  # fmt: skip
+        self._draw_pictures(motions)
+
+    def _draw_pictures(self, motions: list[Motion]) -> None:
+        drawn = [""] * len(motions)
+
+        def work(progress: Progress, _cancel: Cancel) -> None:
+            for count, motion in enumerate(motions, 1):
+                drawn[count - 1] = thumbnails.thumbnail(motion)
+                progress(count, len(motions))
+
+        def show(job: Job) -> None:
+            there = sum(map(bool, drawn))
+            shown = sum(map(bool, self.state.pictures))
+            if motions is self._motions and (there - shown >= _PICTURES_AT_ONCE or (job.finished and there > shown)):
+                self.state.pictures = list(drawn)
+
+        self._jobs.append(self.session.submit("pictures of the map", work, show, lane="still"))
+
+    # ---- a place on it ------------------------------------------------------------------------------------
+
+    def move(self, x: float, y: float) -> None:
+        """Choose a place and show what is there."""
+        if not self._motions:
+            return
+        at = (min(max(float(x), 0.0), 1.0), min(max(float(y), 0.0), 1.0))
+        place = stands_for(self._points, at)
+        self._place = place
+        ends = [place.first] if place.first == place.second else [place.first, place.second]
+        self.state.words = _words(place)
+        self._show()
+        self.state.param.update(at=at, ends=ends, line=self._line(place))
+        self._work_out()
+
+    def keep(self) -> None:
+        """Make a take of what is shown."""
+        place, motion = self._place, self._shown()
+        if place is None or motion is None:
+            return
+        settings, takes = self._settings(place), self.session.takes
+
+        def work(_progress: Progress, _cancel: Cancel) -> tuple[Any, dict]:
+            return takes.store.hold([motion])[0], dict(tasks.measure(motion))
+
+        def show(job: Job) -> None:
+            if job.status == "failed":
+                self.state.error = job.error
+            elif job.status == "done":
+                held, metrics = job.result
+                made = takes.add([held], group=uuid.uuid4().hex, settings=settings, metrics=[metrics])
+                self.session.shelve(made, takes)
+
+        self.session.submit("keep", work, show)
+
+    def _settings(self, place: Place) -> GenerateSettings:
+        """What makes the motion at a place again."""
+        first = self._asked[place.first]
+        if place.first == place.second:
+            return first
+        second = self._asked[place.second]
+        return replace(first, blend={"seed": second.seed, "take": second.take or 1, "share": place.share})
+
+    def _shown(self) -> Motion | None:
+        """The motion at the place chosen; None while it is worked out."""
+        place = self._place
+        if place is None:
+            return None
+        if place.first == place.second:
+            return self._motions[place.first]
+        between = self._between.get((place.first, place.second))
+        return None if between is None else between[round(place.share * (BLEND_STEPS - 1))]
+
+    def _show(self) -> None:
+        """Show it; until it is worked out, the end that is nearer."""
+        state, place = self.session.state, self._place
+        if place is None or state.compose_tab != "vary":
+            return
+        motion = self._shown()
+        nearer = self._motions[place.first if place.share <= 0.5 else place.second]
+        state.preview = ((self.state.words, nearer if motion is None else motion),)
+
+    def _line(self, place: Place) -> list[list[float]]:
+        """Where what lies between two draws would be on the map itself."""
+        between = self._between.get((place.first, place.second))
+        if between is None or self._plane is None:
+            return []
+        return self._plane.places(between).round(4).tolist()
+
+    def _work_out(self) -> None:
+        """Have the engine make what lies between, one pair at a time: the latest that was asked for."""
+        place = self._place
+        if place is None or self._working or self._shown() is not None:
+            return
+        pair, asked, motions = (place.first, place.second), self._settings(place), self._motions
+        self._working = True
+
+        def work(_progress: Progress, _cancel: Cancel) -> list[Motion]:
+            return variations.between(asked, tasks.load_engine(asked.engine, asked.variant))
+
+        def show(job: Job) -> None:
+            if not job.finished:
+                return
+            self._working = False
+            if job.status == "failed":
+                self.state.error = job.error
+                return
+            if job.status == "done" and motions is self._motions:
+                self._between[pair] = job.result
+                while len(self._between) > _AT_HAND:
+                    self._between.popitem(last=False)
+            if self._place is not None:
+                self._show()
+                self.state.line = self._line(self._place)
+                self._work_out()
+
+        self.session.submit("between two draws", work, show)
+
+
+def _draws(settings: GenerateSettings, action: str) -> list[GenerateSettings]:
+    """What is drawn for a map: the action as it is asked, with two seeds."""
+    seed = min(settings.seed, MAX_SEED - 1) if settings.seed else random.randrange(1, 10_000)
+    plain = replace(
+        GenerateSettings(engine=settings.engine, action=" ".join(action.lower().split())), variant=settings.variant,
+        frames=settings.frames, style=settings.style, guidance=settings.guidance, bone_scale=settings.bone_scale,
+        count=DRAWS // 2,
+    )  # fmt: skip
+    return [replace(plain, seed=seed), replace(plain, seed=seed + 1)]
+
+
+def _words(place: Place) -> str:
+    if place.first == place.second:
+        return f"Draw {place.first + 1}"
+    return f"{100 * place.share:.0f} % from draw {place.first + 1} to {place.second + 1}"
