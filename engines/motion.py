@@ -10,8 +10,8 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from importlib.metadata import entry_points
+from functools import cache, cached_property
+from importlib.metadata import EntryPoint, distributions
 from pathlib import Path
 from typing import Any, Literal
 
@@ -124,7 +124,7 @@ class Motion:
 
     def _repr_png_(self) -> bytes | None:
         """A strip of its poses, for notebooks; None where nothing that can draw is installed, or it cannot here."""
-        for drawing in entry_points(group=PICTURES):
+        for drawing in _drawings():
             try:
                 return drawing.load()(self)
             except MotionloomError as problem:
@@ -323,3 +323,12 @@ class Motion:
 
         turns, path = inverse.inverse(positions, skeleton)
         return cls(skeleton, turns, path, fps, tuple(labels))
+
+
+@cache
+def _drawings() -> tuple[EntryPoint, ...]:
+    """What is installed that draws a Motion.
+
+    Every distribution is asked, not the first of each name: a checkout may hold stale metadata of itself.
+    """
+    return tuple(entry for found in distributions() for entry in found.entry_points if entry.group == PICTURES)

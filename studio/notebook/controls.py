@@ -70,6 +70,19 @@ def field(kind: type, text: str = "", **options: Any) -> Any:
     return made
 
 
+def fold(text: str, body: Any) -> list[Any]:
+    """A button that opens and closes what is under it; closed at first. A button, so that the keyboard reaches it."""
+    button = widgets.ToggleButton(description=text, icon="caret-right", layout={"width": "auto"})
+
+    def turned(change: Any) -> None:
+        shown(body, change["new"])
+        button.icon = "caret-down" if change["new"] else "caret-right"
+
+    button.observe(turned, "value")
+    shown(body, False)
+    return [button, body]
+
+
 def note(text: str, fault: bool = False) -> str:
     """Markup of a line for a person."""
     if not text:
@@ -82,18 +95,13 @@ def controls(maker: Maker) -> list[Any]:
     """The controls of an engine, in order; what it cannot be told has none."""
     ties, can = Ties(maker), maker.state.capabilities
     made = [*_asked(ties), *([_style(ties)] if "styles" in can else []), *_shape(ties)]
-    folds = []
     if "constraints" in can:
         from studio.notebook.pins import constraints
 
-        folds.append(("Constraints", constraints(ties)))
+        made += fold("Constraints", constraints(ties))
     more = _advanced(ties)
     if more:
-        folds.append(("Advanced", widgets.VBox(more)))
-    if folds:
-        fold = widgets.Accordion([box for _, box in folds], titles=tuple(name for name, _ in folds))
-        fold.selected_index = None
-        made.append(fold)
+        made += fold("Advanced", widgets.VBox(more))
     return [*made, *_go(ties)]
 
 
@@ -197,6 +205,10 @@ def _go(ties: Ties) -> list[Any]:
     bar = widgets.FloatProgress(min=0.0, max=1.0, layout={"width": "auto", "height": "10px"})
     said = widgets.HTML()
 
+    def forget() -> None:
+        """What became of the last draw is said until something else is asked."""
+        state.param.update(message="", generate_note="", generate_error="")
+
     def show() -> None:
         problem = state.problem()
         go.disabled = state.generating or bool(problem)
@@ -208,12 +220,18 @@ def _go(ties: Ties) -> list[Any]:
         else:
             said.value = note(state.generate_note or ("" if state.generating else state.message) or state.forecast())
 
-    ties.follow(_ASKED, show)
+    ties.follow(_ASKED, forget)
+    ties.follow([*_ASKED, *_TOLD], show)
     return [widgets.HBox([go, stop]), bar, said]
 
 
 _ASKED = [
-    "request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "best_of", "pinned", "fps",
-    "max_frames", "engine_ready", "generating", "generate_progress", "generate_error", "generate_note", "message",
+    "request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "guidance", "best_of", "pinned",
+    "variant",
 ]  # fmt: skip
-"""Parameters of the state that change what is said about a draw."""
+"""Parameters of the state that are asked."""
+_TOLD = [
+    "fps", "max_frames", "engine_ready", "generating", "generate_progress", "generate_error", "generate_note",
+    "message",
+]  # fmt: skip
+"""Parameters that change what is said about a draw."""

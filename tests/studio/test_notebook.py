@@ -31,6 +31,10 @@ def names(panel) -> set[str]:
     return {getattr(w, "description", "") for w in within(panel)} - {""}
 
 
+def said(panel, words: str) -> bool:
+    return any(words in w.value for w in within(panel) if isinstance(w, widgets.HTML))
+
+
 @pytest.fixture
 def panel():
     return notebook.panel(ConstrainedEngine(), height=200)
@@ -91,6 +95,9 @@ def test_a_draw_shows_how_far_it_is_and_can_be_cancelled():
     assert 0 < max(seen) < 1
     assert len(panel.maker.takes) == 0
     assert not named(panel, "Generate").disabled
+    assert said(panel, "Cancelled: 8 × walk")
+    named(panel, "Ways").value = 2
+    assert not said(panel, "Cancelled"), "something else is asked"
     with pytest.raises(MotionloomError, match="there is no take yet"):
         panel.motion  # noqa: B018
 
@@ -99,8 +106,7 @@ def test_what_goes_wrong_is_said(panel, monkeypatch):
     with pytest.raises(MotionloomError, match=r"not done after 0\.01 s"):
         notebook.panel(ConstrainedEngine(slow=0.3)).generate().wait(0.01)
     named(panel, "Action").value = "moonwalk"
-    said = [w.value for w in within(panel) if isinstance(w, widgets.HTML)]
-    assert any("“moonwalk” is not an action this engine knows" in text for text in said)
+    assert said(panel, "“moonwalk” is not an action this engine knows")
     assert named(panel, "Generate").disabled
     with pytest.raises(MotionloomError, match="moonwalk"):
         panel.generate()
@@ -135,7 +141,7 @@ def test_pins_are_listed_shown_taken_away_and_told(panel):
     told = panel.maker.engine.calls[-1]["constraints"]
     assert (told.kept[0].at, told.pins[0].joint, told.path) == (20, "left_wrist", None)
     named(panel, "at x, y, z").value = "here"
-    assert any("“here” is no place" in w.value for w in within(panel) if isinstance(w, widgets.HTML))
+    assert said(panel, "“here” is no place")
 
 
 def test_words_are_asked_in_place_of_an_action():

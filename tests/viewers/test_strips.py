@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -10,6 +12,7 @@ from engines.errors import Cancelled, FormatError, OutOfRangeError
 from tests.viewers import poses
 from viewers import strips
 from viewers.camera import Camera
+from viewers.gl.context import NoGraphicsError
 from viewers.moderngl_renderer import Renderer
 from viewers.scene import Actor, Scene
 from viewers.video import render_pngs
@@ -90,3 +93,23 @@ def test_pngs_are_the_frames(tmp_path):
     with pytest.raises(Cancelled):
         render_pngs(scene, tmp_path / "other", cancel=lambda: True, width=64, height=48)
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_motion_in_a_notebook_shows_a_strip(monkeypatch):
+    """Through the entry point, since engines know no viewer; in words where nothing can draw."""
+    pytest.importorskip("IPython")
+    from IPython.core.formatters import DisplayFormatter
+
+    formatter, motion = DisplayFormatter(), poses.stride(20)
+    shown, _ = formatter.format(motion)
+    with Image.open(io.BytesIO(shown["image/png"])) as picture:
+        assert picture.size == (8 * 150, 200)
+    assert shown["text/plain"].startswith("<Motion 20 frames")
+
+    def dark(*_args, **_options):
+        raise NoGraphicsError("no OpenGL here")
+
+    monkeypatch.setattr(strips, "strip", dark)
+    assert set(formatter.format(motion)[0]) == {"text/plain"}
+    monkeypatch.setattr("engines.motion._drawings", tuple)
+    assert set(formatter.format(motion)[0]) == {"text/plain"}

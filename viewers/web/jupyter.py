@@ -80,9 +80,13 @@ class MotionPlayer(_Traits, Player):
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         """The widget, and a strip of poses where a notebook is read without widgets."""
         bundle = super()._repr_mimebundle_(**kwargs)
-        if bundle is not None:
-            bundle.update(self.picture())
+        data = bundle[0] if isinstance(bundle, tuple) else bundle  # with or without metadata
+        if data is not None:
+            data.update(self.picture())
         return bundle
+
+    def __repr__(self) -> str:
+        return f"<MotionPlayer of {len(self._actors)} motion{'' if len(self._actors) == 1 else 's'}>"
 
     def embed(self) -> Framed:
         """The player as it is now, self-contained: for notebooks that are exported and read without a network.

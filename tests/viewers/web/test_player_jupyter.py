@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import base64
+import io
 import json
 from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 from tests.viewers.web.conftest import PATIENCE, SIZE
 from tests.viewers.web.synthetic import walk
+from viewers import strips
+from viewers.gl.context import NoGraphicsError
 from viewers.web.controls import BUNDLE, OPTIONS
 from viewers.web.player import MotionPlayer
 
@@ -67,6 +71,21 @@ def test_state_holds_everything():
     assert state["_esm"] == BUNDLE.read_text(encoding="utf-8")
     player.set_state({"frame": 12, "selected": 0, "playing": True})
     assert (player.frame, player.playing) == (12, True)
+
+
+def test_readers_without_widgets_see_poses(monkeypatch: pytest.MonkeyPatch):
+    player = MotionPlayer([walk(1.0), walk(2.0)], body="stick", selected=1)
+    data, _ = player._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in data
+    assert data["text/plain"] == "<MotionPlayer of 2 motions>"
+    image = Image.open(io.BytesIO(base64.b64decode(data["image/png"])))
+    assert image.width > 5 * image.height
+
+    def dark(*_args: Any, **_options: Any) -> None:
+        raise NoGraphicsError("no OpenGL here")
+
+    monkeypatch.setattr(strips, "strip", dark)
+    assert "image/png" not in player._repr_mimebundle_()[0]
 
 
 @pytest.mark.ui
