@@ -11,6 +11,8 @@ import pytest
 from jupyter_client.kernelspec import KernelSpec
 from nbclient import NotebookClient
 
+import engines
+
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 
@@ -32,7 +34,7 @@ def test_notebook_runs(path, here, tmp_path):
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert not [output for output in outputs if output.output_type == "error"]
     widgets = [o for o in outputs if "application/vnd.jupyter.widget-view+json" in o.get("data", {})]
-    pictures = [o for o in outputs if "image/gif" in o.get("data", {})]
+    pictures = [o for o in outputs if {"image/gif", "image/png"} & set(o.get("data", {}))]
     assert widgets
     assert pictures
 
@@ -44,5 +46,6 @@ def test_notebook_is_kept_without_outputs(path):
     assert not [cell for cell in cells if cell.get("outputs") or cell.get("execution_count")]
 
 
-def test_there_are_notebooks():
-    assert "quickstart" in [path.stem for path in NOTEBOOKS]
+def test_every_engine_has_one():
+    names = {path.stem for path in NOTEBOOKS}
+    assert {"quickstart", *engines.available()} <= names
