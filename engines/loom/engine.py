@@ -26,6 +26,7 @@ from engines.loom.passes import FPS, GUIDANCE, LOOP, How, Passes, Request
 from engines.loom.plan import windows
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
+from engines.text import reader
 from engines.weights_file import SHIPPED
 
 MAX_FRAMES = 12_000
@@ -98,12 +99,12 @@ class LoomEngine:
         """Different motions of what is asked, in batched passes.
 
         Args:
-            action: a name of `actions`; left out, the prompt says all, or chance.
+            action: a name of `actions`; left out, it is read out of the prompt (`read`), or left to chance.
             count: 1 to 1024.
             frames: 1 to 12,000 at 20 fps.
             seed: 0 to 2^63 - 1; the same seed gives the same motions, and motion i does not depend on `count`
                 beyond rounding.
-            style: a name of `styles`.
+            style: a name of `styles`; left out, it is read out of the prompt.
             prompt: a sentence.
             constraints: what is pinned; all within the first 10 s, unless it is only frames to begin with.
             guidance: how strongly action, style and words are followed; 1 plainly, up to 10.
@@ -313,6 +314,23 @@ class LoomEngine:
         constraints = Constraints(kept=(Keep(house, 0, kept),))
         return self.generate_many(action, count, len(house), seed, constraints=constraints, **told)
 
+    def read(self, prompt: str) -> reader.Reading:
+        """What a prompt is taken to ask for, of the actions and styles there are (`engines.text.reader`)."""
+        return reader.load().read([" ".join(prompt.split())])[0]
+
+    def understood(self, prompt: str) -> str:
+        """What is made of a prompt, a sentence or two for the person who typed it; nothing of an empty one."""
+        if not prompt.strip():
+            return ""
+        found = self.read(prompt)
+        manner = f", {found.style}" if found.style in self.styles else ""
+        if found.action in self.config.actions:
+            return f"Understood as: {found.action}{manner}."
+        near = ", ".join(name for name in found.nearest if name in self.config.actions)
+        return (
+            f"No action it has learned is clearly meant{manner}; it goes by the words alone. The nearest are: {near}."
+        )
+
     # ---- how it is made ---------------------------------------------------------------------------------------
 
     def _request(self, action: str | None, style: str | None, prompt: str | None) -> Request:
@@ -325,6 +343,10 @@ class LoomEngine:
             raise UnknownLabelError("style", style, self.config.styles)
         if prompt is not None and len(prompt) > 1000:
             raise OutOfRangeError("length of the prompt", len(prompt), "up to 1,000 characters")
+        if prompt and not (action and style):
+            found = self.read(prompt)
+            action = action or (found.action if found.action in self.config.actions else None)
+            style = style or (found.style if found.style in self.config.styles else None)
         return Request(action, style, prompt)
 
     def _finished(  # noqa: PLR0913 - what goes into labels and provenance

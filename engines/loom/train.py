@@ -10,13 +10,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from engines import datasets, weights_file
+from engines import datasets, text, weights_file
 from engines.datasets.captions import encoded
 from engines.loom import data
 from engines.loom.config import LoomConfig
 from engines.loom.losses import losses
 from engines.loom.model import Loom
 from engines.text import sides
+from engines.text.everyday import EVERYDAY
 from engines.training.devices import launch, share_of
 from engines.training.loop import TrainingPlan, TrainingState
 from engines.training.run import RunOptions, run
@@ -104,11 +105,29 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
     )
 
 
-def told_in_words(clips: Sequence[datasets.Clip], count: int = 16) -> np.ndarray:
-    """(N, count, `sides.SIZE`) float16: captions of each clip, from the cache of encoded captions."""
+def told_in_words(clips: Sequence[datasets.Clip], count: int = 16, asked: int = 8) -> np.ndarray:
+    """(N, count + asked, `sides.SIZE`) float16: what each clip is told by.
+
+    Args:
+        clips: prepared clips or mirror images of them.
+        count: captions of each, from the cache of encoded captions.
+        asked: sentences as people ask for its action (`engines.text.everyday`); captions where there is no action.
+    """
     told = encoded.load()
     sentences = sides.joined(told.vectors, told.sentences)
-    return np.stack([sentences[np.resize(told.of(clip), count)] for clip in clips])
+    asking = _asking() if asked else {}
+    rows = []
+    for place, clip in enumerate(clips):
+        captions = sentences[np.resize(told.of(clip), count)]
+        everyday = asking.get(clip.action or "", captions)
+        rows.append(np.concatenate([captions, everyday[np.arange(place, place + asked) % len(everyday)]]))
+    return np.stack(rows)
+
+
+def _asking() -> dict[str, np.ndarray]:
+    """Action -> (K, `sides.SIZE`) float16 of everyday sentences."""
+    vectors = {name: text.load().encode(lines).sentences.numpy() for name, lines in EVERYDAY.items()}
+    return {name: sides.joined(found.astype(np.float16), EVERYDAY[name]) for name, found in vectors.items()}
 
 
 def _validation(held_back: data.Windows) -> Callable[[TrainingState], Iterator[dict[str, Tensor]]]:

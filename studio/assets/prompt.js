@@ -7,7 +7,13 @@ export function render(part) {
   field.addEventListener("input", () => { clearTimeout(timer); timer = setTimeout(commit, 200) })
   field.addEventListener("change", commit)
   const fill = (text) => { field.value = text; commit(); field.focus() }
-  mount(part, [h("label", {for: "prompt"}, "Describe the motion"), field], {"motionloom:prompt": (event) => fill(event.detail)})
+  const understood = h("p", {class: "hint", id: "prompt-understood", role: "status"})
+  field.setAttribute("aria-describedby", "prompt-understood")
+  mount(part, [h("label", {for: "prompt"}, "Describe the motion"), field, understood], {"motionloom:prompt": (event) => fill(event.detail)})
+  watch(model, ["understood"], () => {
+    understood.textContent = model.understood
+    understood.hidden = !model.understood
+  })
   watch(model, ["value"], () => {
     if (field.getRootNode().activeElement !== field || model.value.trim() !== field.value.trim()) field.value = model.value
   })

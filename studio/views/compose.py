@@ -13,6 +13,7 @@ from studio.exchange import IMPORTS, UPLOAD_LIMIT
 from studio.pinned import JOINTS
 from studio.session import Session
 from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_PROMPT
+from studio.understanding import Understanding
 from studio.varying import VARIES
 from studio.views.binding import follow, tie
 from studio.views.forms import column, dressed, fold, html, row
@@ -78,6 +79,7 @@ def _prompt(session: Session) -> Prompt:
     """The motion in words."""
     part = Prompt(limit=MAX_PROMPT, sizing_mode="stretch_width", margin=0)
     tie(part, session.state, value="prompt")
+    Understanding(session, lambda said: part.param.update(understood=said))
     return part
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from engines.text.everyday import daily, gestures, locomotion, sports, styles
+from engines.text.everyday import daily, gestures, locomotion, other, sports, styles
 
-__all__ = ["EVERYDAY", "EVERYDAY_STYLES"]
+__all__ = ["EVERYDAY", "EVERYDAY_STYLES", "OTHER"]
 
 
 def _apart(texts: dict[str, str]) -> dict[str, tuple[str, ...]]:
     """The sentences of each block, which stand between semicolons."""
-    return {name: tuple(part for piece in text.split(";") if (part := piece.strip())) for name, text in texts.items()}
+    return {
+        name: tuple(filter(None, (" ".join(piece.split()) for piece in text.split(";"))))
+        for name, text in texts.items()
+    }
 
 
 EVERYDAY: dict[str, tuple[str, ...]] = _apart(
@@ -22,3 +25,6 @@ EVERYDAY_STYLES: dict[str, tuple[str, ...]] = _apart(styles.PHRASES)
 
 Styles that are one manner under two names (childish and childlike, elderly and old) share their phrases.
 """
+
+OTHER: tuple[str, ...] = _apart({"": other.REQUESTS})[""]
+"""Requests for what no action of the vocabulary is."""

@@ -12,7 +12,8 @@ SENTENCES: dict[str, str] = {
         push an intruder out of the door; shoving; the mime presses against an invisible wall;
         She pushes her plate away.; move the sofa by pushing it""",
     "knock": """
-        knock; knock on the door; He raps on the door.; knock knock; knocking; is anybody home?; tap on the window;
+        knock; knock on the door; He raps on the door.; knock knock, who's there; knocking; is anybody home?;
+        tap on the window;
         She knocks three times and waits.; The neighbour is at the door.; bang on the door; pound on the gate;
         police, open up!; a gentle knock; My landlord knocks about the rent.; rap with the knuckles; door knock;
         a person knocks; the delivery man has no bell to ring; trick or treat at the neighbour's door;
@@ -31,7 +32,7 @@ SENTENCES: dict[str, str] = {
         she finds a flat stone and skips it on the lake; someone grabs a pillow off the floor and throws it;
         bends over for the ball and pitches it""",
     "sit down": """
-        sit; sit down; take a seat; He sits down on a chair.; have a seat, please; sitting down;
+        sit; sit down; take a seat over there; He sits down on a chair.; have a seat, please; sitting down;
         She sinks into the sofa.; lower yourself onto the bench; My feet hurt, I need a chair.; The class sits.;
         plop down on the couch; grab a chair; the judge takes her seat; be seated; a person sits down;
         He settles into the armchair.; find your seat at the cinema; squeeze in at the table; pull up a stool;
@@ -60,14 +61,16 @@ SENTENCES: dict[str, str] = {
         fetch the suitcase from above; the rope dangles just out of her reach;
         grasp at the balloon that is floating off; pluck a star from the sky""",
     "dance": """
-        dance; He dances.; a little dance; ballet; She twirls across the floor.; dancing; dance to the music; pirouette;
+        dance; He dances.; a little dance; a bit of ballet; She twirls across the floor.; dancing;
+        groove along with the beat; pirouette;
         The ballerina performs an arabesque.; show me your moves; swan lake; dancing at the ball;
         dance like nobody is watching; My aunt dances at the wedding.; spin and float like a dancer; a graceful dance;
         modern dance; prima ballerina; a person dances; the music starts and she can't keep still;
         He practises his ballet steps.; dance class; Dance for us!; turns and small leaps like a ballerina;
         a dance recital; waltz around on your own; nutcracker solo""",
     "cartwheel": """
-        cartwheel; do a cartwheel; She turns a cartwheel on the lawn.; cartwheels; a sideways somersault on the hands;
+        one clean cartwheel; do a cartwheel; She turns a cartwheel on the lawn.; cartwheels;
+        a sideways somersault on the hands;
         He wheels over his hands and lands on his feet.; wheel on your hands; gymnastics, one cartwheel;
         The gymnast cartwheels.; hands down, legs over, back on your feet; My niece cartwheels across the beach.;
         upside down and round again; legs fly over the head like spokes; a person does a cartwheel;

@@ -72,7 +72,7 @@ SENTENCES: dict[str, str] = {
         someone leans forward in respect; The butler bows.; a formal apology, head low; bend the back for the king;
         the pianist gets up from the piano and takes her bow""",
     "wave goodbye": """
-        wave goodbye; bye bye; She waves farewell.; see you later, with a small wave; goodbye; waving bye;
+        wave goodbye; bye bye everyone; She waves farewell.; see you later, with a small wave; goodbye; waving bye;
         He waves as his friends drive off.; a little wave goodbye; Say bye with your hand.; so long, everyone;
         My grandmother waves us off from the door.; wave the guests off; parting wave; bye for now;
         The party is over and she waves to the others.; it is time to go, a quick wave; take leave with one hand;
@@ -99,7 +99,7 @@ SENTENCES: dict[str, str] = {
         pull the air towards you to call a friend; follow me over here, she gestures; the coach calls a player over;
         come come come; wave her in closer""",
     "guide": """
-        this way, please; He shows the guests the way.; point out the direction; guiding; after you;
+        please follow my arm, madam; He shows the guests the way.; point out the direction; guiding; after you;
         She ushers them to their table.; An usher shows where the seats are.; lead the way with your arm;
         The receptionist gestures toward the lift.; over there, down that hall; give directions with an arm;
         the doorman sweeps an arm toward the entrance; direct visitors to the exit; present the way in;
@@ -118,7 +118,8 @@ SENTENCES: dict[str, str] = {
         He looks up and answers the shout with his arm.; return a call with a gesture;
         the player answers the coach with a sign; okay, understood, he gestures""",
     "clap": """
-        clap; clap your hands; He applauds.; a round of applause; clapping; bravo!; She claps to the beat.;
+        clap; hands together, clap clap clap; He applauds.; a round of applause; clapping; bravo!;
+        She claps to the beat.;
         What a concert, the woman in row three can't stop applauding.; give them a hand, everybody;
         My grandfather claps when the plane lands.; palms together, again and again; hands smacking together;
         The audience member rises and gives an ovation.; applause for the winner; a few claps; polite applause;

@@ -36,7 +36,8 @@ SENTENCES: dict[str, str] = {
     "walk right": """
         sidestep to the right; walk diagonally to the right; He drifts right while looking straight ahead.;
         go forward and right without turning; She shifts over to the right as she walks.; crab walk right;
-        a slanted walk to the right; The nurse edges right between the beds, still facing forward.; strafe right;
+        a slanted walk to the right; The nurse edges right between the beds, still facing forward.;
+        strafe to the right side;
         right strafe; Walk off to the right but keep your eyes to the front.; sidestepping right;
         move diagonally, front and right; She steps right to let a bike pass and goes on.; veer right without rotating;
         A defender shuffles over to the right.; walking sideways to the right; side steps, right;
@@ -84,7 +85,8 @@ SENTENCES: dict[str, str] = {
         the ground is full of bumps and she keeps walking; walking across a building site full of bricks;
         picking a path through fallen branches; Walk as if the ground were all lumps.; a walk off the beaten track""",
     "run": """
-        go for a run; He runs down the road.; jogging in the park; She is out for her morning run.; run forward;
+        get a quick run in before breakfast; He runs down the road.; jogging in the park;
+        She is out for her morning run.; run forward;
         running; a steady run; My neighbour jogs around the block.; A marathon runner somewhere in the middle.;
         jog along the river; The dog is loose and he runs after it.; keep running; a person running ahead;
         It starts to rain and they run for shelter.; run across the field; a ten kilometre run at an even pace;
@@ -109,7 +111,7 @@ SENTENCES: dict[str, str] = {
         cardio in the living room, running on the spot; jog where you are; A woman on a treadmill runs.;
         the footballer jogs on the spot on the touchline; quick feet without leaving the spot; running in place""",
     "jump": """
-        jump; He jumps over a puddle.; a big jump forward; standing long jump; vertical jump; jump up high;
+        jump; He jumps over a puddle.; a big jump forward; a standing jump for distance; vertical jump; jump up high;
         She jumps with both feet together.; Jump off the ground.; one jump, straight up; box jump;
         My cousin jumps over the crack in the floor.; broad jump; bend your knees and spring up;
         The cat scares her and she jumps.; jumping; a person jumps into the air and lands; spring into the air;
@@ -117,7 +119,8 @@ SENTENCES: dict[str, str] = {
         jump as high as you can; A basketball player jumps straight up for the tip-off.; two-footed jump;
         someone jumps ahead from a standstill; crouch, then jump; the kid jumps onto the next tile""",
     "hop": """
-        hop on one foot; She hops along on one leg.; hopscotch; hopping; bounce up and down; jumping up and down;
+        hop on one foot; She hops along on one leg.; play hopscotch on the pavement; hopping; bounce up and down;
+        jumping up and down;
         He has stubbed his toe and hops about.; like a pogo stick; little hops on the spot; hop hop hop;
         The fans bounce up and down in the stands.; a person hops; skip on one leg; several small jumps in a row;
         My daughter plays hopscotch on the pavement.; hop to the wall without putting the other foot down;

@@ -11,7 +11,8 @@ SENTENCES: dict[str, str] = {
         someone punches a hole in the wall; deliver a single strike; He swings a fist at the bully.;
         a good old thump""",
     "boxing": """
-        boxing; box; shadow boxing; The boxer trades blows with his opponent.; one-two, one-two; jab, cross, jab, cross;
+        boxing; box; shadow boxing; The boxer trades blows with his opponent.; one-two, one-two;
+        jab and cross combinations;
         She works the punching bag, fist after fist.; sparring; He spars with an invisible opponent.; in the ring;
         a flurry of punches; left, right, left, right, fists flying; boxing match, round one; boxing training;
         My cousin practises her jabs and hooks.; keep your guard up and throw combinations; boxer in the gym;
@@ -20,7 +21,7 @@ SENTENCES: dict[str, str] = {
         he hammers the speed bag with both fists; gloves on, punching in turn; a prize fighter at work;
         fists up, alternate punches""",
     "kick": """
-        kick; He kicks the ball.; a high kick; roundhouse kick; She kicks the door in.; penalty kick; kicking;
+        kick; He kicks the ball.; a high kick; roundhouse kick; She kicks the door in.; take a penalty kick; kicking;
         shoot at goal; karate kick; The striker takes a free kick.; give the can a kick; hit it with your foot;
         swing your leg and strike; My son kicks a pebble down the road.; a kick to the shin; front kick;
         boot the ball downfield; a person kicks; the punter kicks the football; volley it into the net with the foot;
@@ -35,7 +36,8 @@ SENTENCES: dict[str, str] = {
         cut the rope with a single stroke; Slice the air with a blade, shoulder to hip.; a slash across;
         behead the dragon; he lops off a branch with a machete""",
     "sword fight": """
-        sword fight; fencing; He fences with an opponent.; en garde!; a duel with swords; Two knights cross swords.;
+        sword fight; a fencing lesson; He fences with an opponent.; en garde!; a duel with swords;
+        Two knights cross swords.;
         She parries and strikes with her sword.; parry, riposte; fencing match; swordplay; lightsaber duel;
         pirates fighting with cutlasses; The musketeer defends himself against three blades.; thrust and parry;
         fight somebody sword in hand; a person sword fights; kendo bout; fence with a foil;
@@ -77,7 +79,8 @@ SENTENCES: dict[str, str] = {
         harlem style ball bouncing; she dribbles past the defender; showing off his handles with a basketball""",
     "bowling": """
         bowling; bowl; He bowls a strike.; roll the ball down the lane; ten pins; She goes for a spare.; bowling alley;
-        roll a bowling ball; swing the arm back and let the ball roll; My dad is great at bowling.; skittles;
+        send the bowling ball down the lane; swing the arm back and let the ball roll; My dad is great at bowling.;
+        skittles;
         knock down all the pins; The bowler slides up to the line and releases.; underhand roll of a heavy ball;
         send the ball at the pins; a night at the bowling alley; a person bowls; all ten pins fall!;
         throw a gutter ball; lawn bowls; Aim at the pins and roll.;

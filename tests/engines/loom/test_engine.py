@@ -47,8 +47,20 @@ def test_all_that_is_told_changes_the_motion(engine: LoomEngine) -> None:
     for told in ({"style": "proud"}, {"prompt": "a person strolls"}, {"guidance": 5.0}, {"steps": 12}):
         assert not same(plain, engine.generate("walk", 30, seed=1, **told), 1e-6), told
     assert not same(plain, engine.generate("throw", 30, seed=1), 1e-6)
-    only_words = engine.generate(prompt="A person strolls.", frames=30)
-    assert only_words.label_at(0, "text") == "A person strolls." and only_words.label_at(0) is None
+    only_words = engine.generate(prompt="Bake a cake.", frames=30)
+    assert only_words.label_at(0, "text") == "Bake a cake." and only_words.label_at(0) is None
+
+
+def test_actions_and_styles_are_read_out_of_prompts(engine: LoomEngine) -> None:
+    prompt = "someone walks proudly"
+    read = engine.generate(prompt=prompt, frames=30, seed=1)
+    assert (read.label_at(0), read.label_at(0, "style"), read.label_at(0, "text")) == ("walk", "proud", prompt)
+    assert same(read, engine.generate("walk", 30, seed=1, style="proud", prompt=prompt), 1e-6)
+    told = engine.generate("throw", 30, seed=1, style="old", prompt=prompt)
+    assert (told.label_at(0), told.label_at(0, "style")) == ("throw", "old"), "what is told goes before what is read"
+    assert engine.understood(prompt) == "Understood as: walk, proud."
+    assert "goes by the words alone" in engine.understood("bake a cake")
+    assert engine.understood(" ") == ""
 
 
 def test_provenance_makes_it_again(engine: LoomEngine) -> None:
