@@ -152,7 +152,10 @@ class Mapping:
         if problem:
             state.error = problem
             return
-        asked = _draws(session.state.generate_settings(), session.state.action)
+        settings = session.state.generate_settings()
+        # another map of the same is of other draws, unless the seed is held
+        same = not self._motions or session.state.seed_locked
+        asked = _draws(settings, session.state.action, settings.seed if same else random.randrange(10_000))
         state.param.update(busy=True, progress=0.0, error="", words="")
 
         def work(progress: Progress, cancel: Cancel) -> tuple[list[Motion], Plane]:
@@ -316,15 +319,14 @@ class Mapping:
         self.session.submit("between two draws", work, show)
 
 
-def _draws(settings: GenerateSettings, action: str) -> list[GenerateSettings]:
+def _draws(settings: GenerateSettings, action: str, seed: int) -> list[GenerateSettings]:
     """What is drawn for a map: the action as it is asked, with two seeds."""
-    seed = min(settings.seed, MAX_SEED - 1) if settings.seed else random.randrange(1, 10_000)
     plain = replace(
         GenerateSettings(engine=settings.engine, action=" ".join(action.lower().split())), variant=settings.variant,
         frames=settings.frames, style=settings.style, guidance=settings.guidance, bone_scale=settings.bone_scale,
         count=DRAWS // 2,
     )  # fmt: skip
-    return [replace(plain, seed=seed), replace(plain, seed=seed + 1)]
+    return [replace(plain, seed=seed), replace(plain, seed=(seed + 1) % MAX_SEED)]
 
 
 def _words(place: Place) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -175,4 +173,12 @@ def test_it_is_drawn_as_the_controls_ask(varied, settle):  # noqa: F811
     settle(varied)
     call = varied.fake.calls[0]
     assert (call["action"], call["frames"], call["bone_scale"]) == ("wave left hand", 40, {"left_knee": 1.1})
-    assert replace(varied.varying.map._asked[0], take=None).seed == call["seed"] > 0
+    assert [call["seed"] for call in varied.fake.calls] == [0, 1]
+    varied.varying.map.draw()
+    settle(varied)
+    third = varied.fake.calls[2]["seed"]
+    assert third not in (0, 1), "another map is of other draws"
+    varied.state.param.update(seed_locked=True)
+    varied.varying.map.draw()
+    settle(varied)
+    assert varied.fake.calls[4]["seed"] == 0
