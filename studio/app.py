@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import atexit
 import logging
+import os
+import shutil
 import signal
 import socket
 import sys
+import tempfile
 import threading
+import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 import panel as pn
+from panel.io.resources import LOCAL_DIST
 from tornado import web
+from tornado.process import task_id
 from tornado.websocket import WebSocketClosedError
 
 from engines.errors import MotionloomError, OutOfRangeError
@@ -22,6 +29,7 @@ from studio import downloads, exchange, tasks
 from studio.jobs import JobQueue, shared_queue
 from studio.library import Library, open_library
 from studio.links import Link
+from studio.serving import LOCAL, Access, end_with, processes
 from studio.session import Session
 from studio.settings import GenerateSettings
 from studio.state import StudioState
@@ -58,6 +66,9 @@ def keep(url: str | None = None) -> Keeping:
 def make_app(queue: JobQueue | None = None, keeping: Keeping | None = None) -> pn.Template:
     """The page of one browser session. Its work is stopped and its files are removed when the session ends."""
     doc = pn.state.curdoc
+    if doc is not None:
+        # styles come from here also where the page itself was handed out by another process
+        doc.template_variables["dist_url"] = LOCAL_DIST
     kept = keeping or Keeping()
     session = Session(
         StudioState(), queue=queue, dispatch=_on_document(doc), library=kept.library, problem=kept.problem
@@ -79,13 +90,20 @@ def make_app(queue: JobQueue | None = None, keeping: Keeping | None = None) -> p
 
 
 def _on_document(doc: Any) -> Callable[[Callable[[], None]], None]:
-    """Run functions on the thread and under the lock of a document; none any more once its browser has gone."""
+    """Run functions on the thread and under the lock of a document; none any more once its browser has gone.
+
+    What one of them changes travels to the browser in one message.
+    """
+
+    def together(act: Callable[[], None]) -> None:
+        with pn.io.hold(doc):
+            act()
 
     def dispatch(act: Callable[[], None]) -> None:
         if doc is None:
             act()
         elif doc.session_context is not None and not doc.session_context.destroyed:
-            doc.add_next_tick_callback(act)
+            doc.add_next_tick_callback(lambda: together(act))
 
     return dispatch
 
@@ -163,12 +181,14 @@ def free_port(port: int, host: str = "127.0.0.1") -> int:
     raise OutOfRangeError("port", port, f"a free port on {host}; none is free from {port} to {port + _PORTS_TRIED - 1}")
 
 
-def serve(
+def serve(  # noqa: PLR0913, PLR0917 (each is a thing of its own)
     port: int = 5006,
     host: str = "127.0.0.1",
     open_browser: bool = True,
     queue: JobQueue | None = None,
     library: str | None = None,
+    access: Access | None = None,
+    num_procs: int = 1,
     **options: Any,
 ) -> Any:
     """Serve the studio until interrupted.
@@ -179,8 +199,15 @@ def serve(
         open_browser: show the page.
         queue: where long work runs; shared by the process unless given.
         library: SQLAlchemy URL, or path of a SQLite file; in the user's data folder unless given.
+        access: who may open the page; whoever reaches it unless given.
+        num_procs: so many processes answer; 0 for one a processor.
         options: passed on to `panel.serve`, as `threaded=True` or `start=False`.
+
+    Raises:
+        MotionloomError: `access` or `num_procs` say something that cannot work.
     """
+    access = (access or Access()).checked(host)
+    count = processes(num_procs)
     chosen = free_port(port, host)
     if chosen != port:
         log.warning("port %d is taken; using %d", port, chosen)
@@ -188,20 +215,35 @@ def serve(
     if threading.current_thread() is threading.main_thread():
         # as on Ctrl+C: what sessions left behind is cleared away on the way out
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    (queue or shared_queue()).submit("server", "warm up", _warm_up)
     exchange.sweep()
     kept = keep(library)
-    local = host in ("127.0.0.1", "localhost", "::1")
-    origins = [f"{name}:{chosen}" for name in ("localhost", "127.0.0.1")] if local else ["*"]
-    return pn.serve(
-        {"/": lambda: make_app(queue, kept)},
-        port=chosen,
-        address=host,
-        websocket_origin=origins,
-        show=open_browser,
-        title="motionloom",
-        static_dirs={"assets": str(ASSETS)},
-        extra_patterns=[(rf"/{downloads.ROUTE}/([\w-]+)/([\w.-]+)", _Download)],
-        websocket_max_message_size=MESSAGE_LIMIT,
+    told = {
+        "port": chosen,
+        "address": host,
+        "title": "motionloom",
+        "static_dirs": {"assets": str(ASSETS)},
+        "extra_patterns": [(rf"/{downloads.ROUTE}/([\w-]+)/([\w.-]+)", _Download)],
+        "websocket_max_message_size": MESSAGE_LIMIT,
+        **access.options(host, chosen),
         **options,
-    )
+    }
+    page = {"/": lambda: make_app(queue, kept)}
+    if count > 1:
+        return _serve_in_several(page, told, count, open_browser)
+    (queue or shared_queue()).submit("server", "warm up", _warm_up)
+    return pn.serve(page, show=open_browser, **told)
+
+
+def _serve_in_several(page: dict[str, Any], told: dict[str, Any], count: int, open_browser: bool) -> None:
+    """Serve by several processes that share the port. Threads, and what they hold, begin after these are split off."""
+    parent = os.getpid()
+    folder = Path(tempfile.mkdtemp(prefix=exchange.mark()))
+    atexit.register(lambda: os.getpid() == parent and shutil.rmtree(folder, ignore_errors=True))
+    downloads.share(folder)
+    server = pn.serve(page, show=False, start=False, num_procs=count, **told)  # the parent waits in here
+    end_with(parent)
+    shared_queue().submit("server", "warm up", _warm_up)
+    if open_browser and task_id() == 0:
+        webbrowser.open(f"http://{'localhost' if told['address'] in LOCAL else told['address']}:{told['port']}/")
+    server.start()
+    server.io_loop.start()

@@ -92,7 +92,7 @@ class Exchange:
         how = replace(state.export_settings(), edits=take.edits)
         subject = take.subject if take.settings else Path(take.subject).stem
         name = f"{self._prefix()}{take.id}-{tasks.slug(subject)}{ending(state.export_format)}"
-        self.folder = self.folder or Path(tempfile.mkdtemp(prefix=_mark()))
+        self.folder = self.folder or Path(tempfile.mkdtemp(prefix=mark()))
         path = Path(tempfile.mkdtemp(dir=self.folder)) / name
         state.param.update(
             export_status="queued", export_progress=0.0, export_error="", export_name=name, export_url="",
@@ -149,7 +149,7 @@ def read_upload(name: str, data: bytes) -> engines.Motion:
         raise FormatError(name, f"files of this kind are not read; accepted: {', '.join(IMPORTS)}")
     if not data:
         raise FormatError(name, "the file is empty")
-    with tempfile.TemporaryDirectory(prefix=_mark()) as folder:
+    with tempfile.TemporaryDirectory(prefix=mark()) as folder:
         path = Path(folder) / f"upload{suffix}"
         path.write_bytes(data)
         try:
@@ -168,7 +168,7 @@ def sweep() -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _mark() -> str:
+def mark() -> str:
     """Of the names of temporary folders: they say whose they are."""
     return f"motionloom-{os.getpid()}-"
 
