@@ -12,6 +12,7 @@ import numpy as np
 
 from engines.datasets import Clip
 from engines.evaluation import prompts
+from engines.evaluation.prompts_more import MORE
 from engines.loom.engine import LoomEngine
 from engines.loom.passes import GUIDANCE
 from engines.loom.representation import frames_of
@@ -42,6 +43,11 @@ class Assessment:
     by_action: dict[str, float] = field(default_factory=dict)
     by_style: dict[str, float] = field(default_factory=dict)
     prompts: list[prompts.Answer] = field(default_factory=list)
+    """Of the sixty."""
+    more: list[prompts.Answer] = field(default_factory=list)
+    """Of another writer's prompts."""
+    held: tuple[str, ...] = ()
+    """Actions that there are clips of which were not trained on."""
 
 
 def assess(
@@ -66,6 +72,10 @@ def assess(
     styled, by_style = _styles(engine, train, held, max(1, draws // 2), seed, guidance)
     both = [(name, motion) for name, motions in made.items() for motion in motions]
     both = [(name, motion) for name, motion in both if any(clip.action == name for clip in held)]
+
+    def told(sentence: str, count: int) -> list[Motion]:
+        return engine.generate_many(prompt=sentence, count=count, frames=80, seed=seed, guidance=guidance)
+
     return Assessment(
         accuracy=_accuracy(by_action, train, held, recogniser),
         styles=styled,
@@ -75,10 +85,9 @@ def assess(
         nearest=_nearest(both, train, held),
         by_action=by_action,
         by_style=by_style,
-        prompts=prompts.answers(
-            lambda sentence: engine.generate_many(prompt=sentence, count=4, frames=80, seed=seed, guidance=guidance),
-            recogniser,
-        ),
+        prompts=prompts.answers(lambda sentence: told(sentence, 4), recogniser),
+        more=prompts.answers(lambda sentence: told(sentence, 2), recogniser, MORE),
+        held=tuple(sorted({clip.action for clip in held if clip.action})),
     )
 
 

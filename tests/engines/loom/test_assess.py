@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from engines.evaluation.prompts import PROMPTS, Answer, answers
+from engines.evaluation.prompts_more import MORE
 from engines.loom.assess import assess
 from engines.metrics import evaluators
 from tests.engines.action2motion.tiny import clip
@@ -49,7 +50,8 @@ def test_figures_of_random_weights_are_in_range(clips) -> None:
         assert 0 <= ours <= 1 and 0 <= real <= 1
     assert found.nearest[0] > 0
     assert np.isfinite([*found.fid, *found.multimodality]).all()
-    assert len(found.prompts) == len(PROMPTS)
+    assert (len(found.prompts), len(found.more)) == (len(PROMPTS), len(MORE))
+    assert set(found.held) <= {c.action for c in clips if c.split != "train"}
 
 
 def test_a_sentence_counts_as_right_by_what_is_seen() -> None:

@@ -10,12 +10,15 @@ import pytest
 import torch
 
 import engines
+from engines import text
+from engines.datasets.captions import encoded
 from engines.errors import Cancelled
 from engines.loom import train
 from engines.loom.data import Windows, vocabulary_of
-from engines.loom.losses import losses
+from engines.loom.losses import _quiet, losses
 from engines.loom.representation import KNOWN, LAYOUT
 from engines.text import sides
+from engines.text.everyday import EVERYDAY
 from engines.training.devices import Share
 from tests.engines.action2motion.tiny import clip, clips
 from tests.engines.loom.tiny import SIZES, config, model
@@ -123,3 +126,28 @@ def test_long_and_rare_clips_are_drawn_more_often() -> None:
     chance = Windows(some, config()).probability
     assert chance[18:].sum() > 2 * 2 / 20
     assert chance.sum() == pytest.approx(1)
+
+
+def test_a_wave_counts_more_than_a_run_and_empty_frames_count_nothing() -> None:
+    swing, stride = torch.zeros(1, 20, 22, 3), torch.full((1, 20, 22, 3), 0.05)
+    swing[..., 20, 0] = 0.04
+    mask = torch.ones(1, 21, dtype=torch.bool)
+    quiet, lively = _quiet(swing, mask), _quiet(stride, mask)
+    assert quiet.item() == 4.0 > 1.0 > lively.item() == 0.5
+    half = mask.clone()
+    half[:, 11:] = False
+    stride[:, 10:] = 0
+    assert torch.allclose(_quiet(stride, half), lively)
+
+
+def test_clips_are_told_by_captions_and_by_what_people_ask(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = clip("walk")
+    rows = {encoded.key(found): np.array([0, 1])}
+    captions = encoded.EncodedCaptions(("one", "left"), np.eye(2, sides.ENCODED, dtype=np.float16), rows)
+    monkeypatch.setattr(encoded, "load", lambda: captions)
+    told = train.told_in_words([found, found], count=5, asked=3)
+    assert told.shape == (2, 8, sides.SIZE)
+    assert told[0, :5, :2].argmax(-1).tolist() == [0, 1, 0, 1, 0]
+    asked = text.load().encode(EVERYDAY["walk"]).sentences.numpy()
+    assert all((asked @ row[: sides.ENCODED].astype(float)).max() > 0.999 for row in told.reshape(2, 8, -1)[0, 5:])
+    assert not (told[0, 5:] == told[1, 5:]).all(), "clips of one action are asked for in different words"
