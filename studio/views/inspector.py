@@ -53,7 +53,7 @@ def inspector(session: Session) -> pn.Column:
         sizing_mode="stretch_width", margin=0,
     )  # fmt: skip
     tie(tabs, state, value="inspector_tab")
-    parts = {"details": _details(session), "body": body_panel(session), "export": _export(session)}
+    parts = {"details": _details(session), "body": column(body_panel(session)), "export": _export(session)}
 
     def show(*_: Any) -> None:
         for name, part in parts.items():

@@ -29,6 +29,7 @@ def test_the_body_is_shaped_seen_exported_and_undone(wardrobe, tmp_path):
     expect(wardrobe.button("Undo change height")).to_be_enabled()
     wait_for(lambda: wardrobe.player(HIGHEST) > before + 0.1, "a taller body on the stage")
     page.get_by_role("tab", name="Export").click()
+    expect(page.get_by_role("slider", name="Height").first).to_be_hidden()
     page.get_by_role("radio", name="GLB").click()
     tall = download(wardrobe, lambda: page.get_by_role("button", name="Export take 1 as GLB").click())
     tall.save_as(tmp_path / "tall.glb")
