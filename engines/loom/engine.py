@@ -17,6 +17,7 @@ from engines import weights_file
 from engines.actions import Action
 from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.loom import output
+from engines.loom.asking import Asking
 from engines.loom.config import LoomConfig
 from engines.loom.constraints import NOTHING, Constraints, Keep, Pin
 from engines.loom.constraints import Path as FloorPath
@@ -26,7 +27,6 @@ from engines.loom.passes import FPS, GUIDANCE, LOOP, How, Passes, Request
 from engines.loom.plan import windows
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
-from engines.text import reader
 from engines.weights_file import SHIPPED
 
 MAX_FRAMES = 12_000
@@ -34,7 +34,6 @@ MAX_FRAMES = 12_000
 MAX_COUNT = 1024
 _CHUNK_FRAMES = 64 * 200
 """So many frames are generated together: bounds memory, lets progress and cancel be heard."""
-
 Progress = Callable[[int, int], None]
 
 
@@ -72,6 +71,7 @@ class LoomEngine:
         self.styles: tuple[str, ...] = self.config.styles
         self.max_pinned_frames = self.config.longest
         self._passes = Passes(model)
+        self._asking = Asking(model.config)
 
     # ---- what a person asks for ---------------------------------------------------------------------------
 
@@ -99,7 +99,8 @@ class LoomEngine:
         """Different motions of what is asked, in batched passes.
 
         Args:
-            action: a name of `actions`; left out, it is read out of the prompt (`read`), or left to chance.
+            action: a name of `actions`; left out, it is read out of the prompt or left to chance. A prompt of several,
+                one "then" the other, becomes all of them in turn, unless something is pinned.
             count: 1 to 1024.
             frames: 1 to 12,000 at 20 fps.
             seed: 0 to 2^63 - 1; the same seed gives the same motions, and motion i does not depend on `count`
@@ -125,8 +126,8 @@ class LoomEngine:
         demand_whole("best_of", best_of, 1, 16)
         if not 0.0 <= guidance <= 10.0:
             raise OutOfRangeError("guidance", guidance, "0 to 10")
-        request = self._request(action, style, prompt)
         pinned = constraints or NOTHING
+        asked = self._asking.asked(action, style, prompt, frames, apart=not pinned)
         most = self.config.longest - LOOP * pinned.loop
         if pinned and frames > most:
             raise OutOfRangeError(
@@ -139,10 +140,10 @@ class LoomEngine:
             if cancel and cancel():
                 raise Cancelled(f"cancelled after {len(made)} of {count} motions; none was kept")
             drawn = [i * best_of + k for i in indices for k in range(best_of)]
-            motions, said = self._passes.perform([(request, frames)], seed, drawn, how)
+            motions, said = self._passes.perform(asked, seed, drawn, how)
             motions = _best(motions, best_of)
             made += self._finished(
-                motions, [(request, frames)], seed, indices, parameters, bone_scale=bone_scale, said=said, pinned=pinned
+                motions, asked, seed, indices, parameters, bone_scale=bone_scale, said=said, pinned=pinned
             )
             if progress:
                 progress(len(made), count)
@@ -162,7 +163,7 @@ class LoomEngine:
         asked = []
         for action, frames in segments:
             demand_whole("frames", frames, 1, MAX_FRAMES)
-            asked.append((self._request(action, told.get("style"), told.get("prompt")), frames))
+            asked.append((self._asking.request(action, told.get("style"), told.get("prompt")), frames))
         demand_whole("frames", sum(frames for _, frames in asked), 1, MAX_FRAMES)
         motions, _ = self._passes.perform(asked, seed, [0], how)
         parameters = {"segments": [[name, int(frames)] for name, frames in segments], **told}
@@ -193,7 +194,7 @@ class LoomEngine:
         demand_whole("keep", keep, 1, len(house))
         demand_whole("frames", frames, keep + 1, MAX_FRAMES)
         demand_whole("count", count, 1, MAX_COUNT)
-        request = self._request(action, told.get("style"), told.get("prompt"))
+        request = self._asking.request(action, told.get("style"), told.get("prompt"))
         how = How(told.get("guidance", GUIDANCE), told.get("steps", 6))
         made: list[Motion] = []
         for indices in _chunks(count, frames):
@@ -212,7 +213,7 @@ class LoomEngine:
 
     def latents(self, action: str, seed: int = 0, frames: int = 60, index: int = 0) -> Draw:
         """The noise that motion `index` of `generate_many(action, count, frames, seed)` begins from."""
-        self._request(action, None, None)
+        self._asking.request(action, None, None)
         demand_whole("frames", frames, 1, self.config.longest)
         demand_whole("index", index, 0, MAX_COUNT - 1)
         return Draw(action, self._passes.noise(seed, [index], frames)[0], frames, seed)
@@ -233,7 +234,7 @@ class LoomEngine:
         demand_whole("steps", steps, 2, 64)
         if a.noise.shape != b.noise.shape:
             raise OutOfRangeError("length of the second draw", b.frames, f"{a.frames} frames, as the first")
-        request = self._request(action, style, told.get("prompt"))
+        request = self._asking.request(action, style, told.get("prompt"))
         share = torch.linspace(0, 1, steps)[:, None, None] * (math.pi / 2)
         # two independent normal draws are at right angles, so this keeps the length of the noise
         noise = torch.cos(share) * a.noise + torch.sin(share) * b.noise
@@ -272,7 +273,7 @@ class LoomEngine:
         house = motion.retarget(SMPL22).resample(FPS)
         demand_whole("frames of the motion", len(house), 1, self.config.longest)
         shown = action or house.label_at(0)
-        request = self._request(shown if shown in self.config.actions else None, style, None)
+        request = self._asking.request(shown if shown in self.config.actions else None, style, None)
         constraints = NOTHING
         if keep_path:
             line = FloorPath(house.positions[:, 0, [0, 2]], tuple(range(len(house))), recorded=True)
@@ -314,40 +315,11 @@ class LoomEngine:
         constraints = Constraints(kept=(Keep(house, 0, kept),))
         return self.generate_many(action, count, len(house), seed, constraints=constraints, **told)
 
-    def read(self, prompt: str) -> reader.Reading:
-        """What a prompt is taken to ask for, of the actions and styles there are (`engines.text.reader`)."""
-        return reader.load().read([" ".join(prompt.split())])[0]
-
     def understood(self, prompt: str) -> str:
         """What is made of a prompt, a sentence or two for the person who typed it; nothing of an empty one."""
-        if not prompt.strip():
-            return ""
-        found = self.read(prompt)
-        manner = f", {found.style}" if found.style in self.styles else ""
-        if found.action in self.config.actions:
-            return f"Understood as: {found.action}{manner}."
-        near = ", ".join(name for name in found.nearest if name in self.config.actions)
-        return (
-            f"No action it has learned is clearly meant{manner}; it goes by the words alone. The nearest are: {near}."
-        )
+        return self._asking.understood(prompt)
 
     # ---- how it is made ---------------------------------------------------------------------------------------
-
-    def _request(self, action: str | None, style: str | None, prompt: str | None) -> Request:
-        action = " ".join(str(action).lower().split()) if action else None
-        style = " ".join(str(style).lower().split()) if style else None
-        prompt = " ".join(str(prompt).split()) if prompt else None
-        if action is not None and action not in self.config.actions:
-            raise UnknownLabelError("action", action, self.config.actions)
-        if style is not None and style not in self.config.styles:
-            raise UnknownLabelError("style", style, self.config.styles)
-        if prompt is not None and len(prompt) > 1000:
-            raise OutOfRangeError("length of the prompt", len(prompt), "up to 1,000 characters")
-        if prompt and not (action and style):
-            found = self.read(prompt)
-            action = action or (found.action if found.action in self.config.actions else None)
-            style = style or (found.style if found.style in self.config.styles else None)
-        return Request(action, style, prompt)
 
     def _finished(  # noqa: PLR0913 - what goes into labels and provenance
         self,

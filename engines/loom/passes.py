@@ -43,6 +43,11 @@ class Request:
         said = self.prompt or self.action or "motion"
         return f"{said} ({self.style})" if self.style else said
 
+    @property
+    def label(self) -> str:
+        """The action and the style, for a person."""
+        return ", ".join(part for part in (self.action, self.style) if part)
+
 
 @dataclass(frozen=True, eq=False)
 class How:

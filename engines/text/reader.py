@@ -11,6 +11,7 @@ would be nearest.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -32,6 +33,7 @@ SURE = 0.35
 SURE_STYLE = 0.5
 """... for a style: one that nobody asked for is worse than one that is missed."""
 _NEAREST = 3
+_THEN = re.compile(r"[.;]\s+|,?\s*\b(?:and\s+)?(?:then|afterwards?|after that|next|finally)\b,?\s*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,11 @@ class Reading:
     """The likeliest actions, whether one is asked for or not."""
     sure: float
     """Probability of the first of `nearest`."""
+
+
+def clauses(prompt: str) -> list[str]:
+    """What is to be done one after the other, as far as words for it ("then", a full stop) say so."""
+    return [part.strip(" ,.") for part in _THEN.split(prompt) if part.strip(" ,.")]
 
 
 class PromptReader(nn.Module):

@@ -12,6 +12,7 @@ from engines.loom.engine import LoomEngine
 from engines.loom.passes import LOOP
 from engines.motion import Motion
 from engines.skeletons import SMPL22
+from engines.text import reader
 from tests.engines.action2motion.tiny import movement
 from tests.engines.loom.tiny import engine as tiny_engine
 
@@ -61,6 +62,21 @@ def test_actions_and_styles_are_read_out_of_prompts(engine: LoomEngine) -> None:
     assert engine.understood(prompt) == "Understood as: walk, proud."
     assert "goes by the words alone" in engine.understood("bake a cake")
     assert engine.understood(" ") == ""
+
+
+def test_a_prompt_may_ask_for_several_actions_in_turn(engine: LoomEngine) -> None:
+    prompt = "a proud man walks ahead, then throws a ball."
+    both = engine.generate(prompt=prompt, frames=90, seed=3)
+    at = next(part.start for part in both.labels if part.kind == "action" and part.value == "throw")
+    assert (len(both), both.label_at(0), both.label_at(at - 1), both.label_at(89)) == (90, "walk", "walk", "throw")
+    assert both.label_at(0, "style") == both.label_at(89, "style") == "proud"
+    assert (both.label_at(0, "text"), both.label_at(89, "text")) == ("a proud man walks ahead", "throws a ball")
+    assert engine.understood(prompt) == "Understood as: walk, proud, then throw, proud."
+    short = engine.generate(prompt=prompt, frames=20)
+    assert short.label_at(0) == short.label_at(19), "too short for two"
+    assert engine.generate("walk", prompt=prompt, frames=90).label_at(89) == "walk"
+    assert len(reader.clauses("Walk; then run. After that, sit down and finally wave")) == 4
+    assert reader.clauses("walks and waves") == ["walks and waves"]
 
 
 def test_provenance_makes_it_again(engine: LoomEngine) -> None:
