@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from engines.errors import OutOfRangeError
+from engines.geometry.seams import join
 from engines.loom import output
 from engines.loom.constraints import NOTHING, Constraints, Keep, Known, compile_known
 from engines.loom.model import Adjust, Loom
@@ -108,7 +109,7 @@ class Passes:
                 said += told
                 number += 1
                 pairs = [] if motions is None else zip(motions, new, strict=True)
-                motions = [a.concat(b[window.shown :]) for a, b in pairs] or new
+                motions = [join(a, b[window.shown :]) for a, b in pairs] or new
         assert motions is not None
         return motions, said
 
