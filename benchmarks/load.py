@@ -182,14 +182,16 @@ async def one(session: Session, action: str, count: int) -> float:
     return seconds
 
 
-def spent(process: int) -> float:
-    """Processor seconds of a process so far (Linux; 0 elsewhere)."""
-    stat = Path(f"/proc/{process}/stat")
-    fields = stat.read_text().rsplit(")", 1)[1].split() if stat.exists() else ["0"] * 20
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+def spent(process: int) -> np.ndarray:
+    """(2,) processor seconds of a process so far, and those of its first thread (Linux; 0 elsewhere)."""
+    seconds = []
+    for stat in (Path(f"/proc/{process}/stat"), Path(f"/proc/{process}/task/{process}/stat")):
+        fields = stat.read_text().rsplit(")", 1)[1].split() if stat.exists() else ["0"] * 20
+        seconds.append((int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"))
+    return np.array(seconds)
 
 
-async def run(url: str, asked: argparse.Namespace, process: int) -> list[tuple[list[float], float]]:
+async def run(url: str, asked: argparse.Namespace, process: int) -> list[tuple[list[float], np.ndarray]]:
     """All sessions through all rounds. Returns seconds a session and processor seconds, by round."""
     sessions = [Session(url) for _ in range(asked.sessions)]
     for session in sessions:  # one by one: what is measured is not the opening of pages
@@ -234,10 +236,12 @@ def main() -> None:
         folder.cleanup()
     load = os.getloadavg()[0]
     print(f"{asked.sessions} sessions at once, {asked.count} clip(s) of 3 s each; load of the machine {load:.1f}")
-    print(f"{'':10}{'p50':>8}{'p95':>8}{'longest':>9}{'processor, all':>16}")
+    print(f"{'':10}{'p50':>8}{'p95':>8}{'longest':>9}{'processor':>12}{'of that, pages':>16}")
     for turn, (seconds, processor) in enumerate(rounds, 1):
         p50, p95 = np.percentile(seconds, [50, 95])
-        print(f"{f'round {turn}':10}{p50:7.2f}s{p95:7.2f}s{max(seconds):8.2f}s{processor:15.2f}s")
+        print(
+            f"{f'round {turn}':10}{p50:7.2f}s{p95:7.2f}s{max(seconds):8.2f}s{processor[0]:11.2f}s{processor[1]:15.2f}s"
+        )
     print("every session got its own action, and nothing else")
 
 
