@@ -240,7 +240,7 @@ def _serve_in_several(page: dict[str, Any], told: dict[str, Any], count: int, op
     folder = Path(tempfile.mkdtemp(prefix=exchange.mark()))
     atexit.register(lambda: os.getpid() == parent and shutil.rmtree(folder, ignore_errors=True))
     downloads.share(folder)
-    server = pn.serve(page, show=False, start=False, num_procs=count, **told)  # the parent waits in here
+    server: Any = pn.serve(page, show=False, start=False, num_procs=count, **told)  # the parent waits in here
     end_with(parent)
     shared_queue().submit("server", "warm up", _warm_up)
     if open_browser and task_id() == 0:
