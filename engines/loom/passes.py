@@ -16,7 +16,7 @@ from engines.loom import output
 from engines.loom.constraints import NOTHING, Constraints, Keep, Known, compile_known
 from engines.loom.model import Adjust, Loom
 from engines.loom.networks import Wanted
-from engines.loom.plan import Window, windows
+from engines.loom.plan import WHOLE, Window, windows
 from engines.loom.reach import Reach
 from engines.loom.representation import LAYOUT, frames_of
 from engines.motion import Motion
@@ -102,7 +102,10 @@ class Passes:
         motions, said, number = given, [], 0
         for request, frames in segments:
             before = 0 if motions is None else len(motions[0])
-            for window in windows(self.config, [(request.action, frames)], before):
+            asked = windows(self.config, [(request.action, frames)], before)
+            if how.constraints:  # one window holds all that is pinned, however long the action usually takes
+                asked = [Window(request.action, frames, 0, WHOLE)]
+            for window in asked:
                 shown = None if motions is None else [m[len(m) - window.shown :] for m in motions]
                 noise = self.noise(seed, indices, window.shown + window.frames + how.constraints.loop * LOOP, number)
                 new, told = self.window(window, request, noise, how, shown)

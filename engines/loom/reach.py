@@ -1,9 +1,8 @@
 """Bring pinned joints to their places while a motion is being sampled.
 
 The network is told where a joint is to be and goes there roughly. After each of its estimates the rotations at the
-pinned frames are changed a little, by damped least squares through forward
-kinematics, and the change fades out in the frames
-around; the network's next estimate makes the rest of the body go with it.
+pinned frames are changed a little, by damped least squares through forward kinematics, the trunk least, and the change
+fades out in the frames around; the network's next estimate makes the rest of the body go with it.
 """
 
 from __future__ import annotations
@@ -14,14 +13,17 @@ from torch import Tensor
 
 from engines.loom.model import Loom
 from engines.loom.representation import JOINTS, KNOWN, LAYOUT, joints_from_start, kinematics, travelled
+from engines.skeletons import SMPL22
 
-_ITERATIONS = 5
+_ITERATIONS = 12
 _DAMPING = 1e-3
 """Square metres: how much of a step is held back where joints hardly answer to it."""
 _LONGEST = 1.0
 """Of a step, in deviations of a rotation."""
 _SPREAD = 5.0
 """Frames over which a change fades out (deviation of a Gaussian)."""
+_STIFF = {"pelvis": 0.1, "spine1": 0.15, "spine2": 0.15, "spine3": 0.2, "neck": 0.5}
+"""How readily the trunk gives way, against 1 of the limbs: a hand is reached out before the back is bent."""
 _SETTLED = 0.3
 """Noise level before which nothing is changed: there is no pose yet."""
 
@@ -43,7 +45,8 @@ class Reach:
         self.joints = mask.any(1).any(0).nonzero()[:, 0]  # (K,) joints with one, the root not counted
         self.mask = mask[:, self.at][..., self.joints, None].float()  # (B, P, K, 1)
         self.target = KNOWN.read(known, "joints")[:, self.at][..., self.joints, :]
-        self.free = 1 - KNOWN.read(known, "turns_known")[:, self.at][..., None]  # (B, P, J, 1)
+        stiff = torch.tensor([_STIFF.get(name, 1.0) for name in SMPL22.joints])
+        self.give = (1 - KNOWN.read(known, "turns_known")[:, self.at]) * stiff  # (B, P, J)
         gap = torch.arange(frames)[:, None] - self.at
         weight = torch.exp(-0.5 * (gap / _SPREAD).square())
         # between pins their changes are averaged, beside them they fade out, at them they are exact
@@ -61,8 +64,9 @@ class Reach:
         change = torch.zeros(*here.shape[:2], JOINTS, 6)
         for _ in range(_ITERATIONS):
             gap, slope = self._linear(here, stands, change)
-            damped = slope @ slope.mT + _DAMPING * torch.eye(gap.shape[-1])
-            step = (slope.mT @ torch.linalg.solve(damped, gap[..., None]))[..., 0]
+            given = slope * self.give.repeat_interleave(6, dim=-1)[:, :, None]
+            damped = given @ slope.mT + _DAMPING * torch.eye(gap.shape[-1])
+            step = (given.mT @ torch.linalg.solve(damped, gap[..., None]))[..., 0]
             step = step / (step.abs().amax(-1, keepdim=True) / _LONGEST).clamp_min(1.0)
             change = change - step.unflatten(-1, (JOINTS, 6))
         made = x.clone()
@@ -84,5 +88,4 @@ class Reach:
             joints = joints_from_start(kinematics(turns, LAYOUT.read(here, "height")), *stands)
             gap = ((joints[..., 1:, :][..., self.joints, :] - self.target) * self.mask).flatten(-2)
             rows = [torch.autograd.grad(gap[..., i].sum(), change, retain_graph=True)[0] for i in range(gap.shape[-1])]
-        slope = torch.stack(rows, dim=2) * self.free[:, :, None]
-        return gap.detach(), slope.flatten(-2)
+        return gap.detach(), torch.stack(rows, dim=2).flatten(-2)

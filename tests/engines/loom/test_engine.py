@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import torch
 
 from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.loom import engine as loom
 from engines.loom.constraints import Constraints, Keep, Path, Pin
 from engines.loom.engine import LoomEngine
 from engines.loom.passes import LOOP
+from engines.loom.reach import Reach
+from engines.loom.representation import KNOWN, LAYOUT, kinematics
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 from engines.text import reader
 from tests.engines.action2motion.tiny import movement
 from tests.engines.loom.tiny import engine as tiny_engine
+from tests.engines.loom.tiny import model as tiny_model
 
 
 @pytest.fixture(scope="module")
@@ -242,3 +246,23 @@ def test_a_pinned_joint_that_can_be_reached_is(engine: LoomEngine) -> None:
     step = np.linalg.norm(np.diff(pinned.positions[:, wrist], axis=0), axis=-1)
     usual = np.linalg.norm(np.diff(free.positions[:, wrist], axis=0), axis=-1)
     assert step.max() < usual.max() + 0.1  # no jump where it is pinned
+
+
+def test_the_arm_reaches_before_the_back_bends() -> None:
+    made, wrist = tiny_model(), SMPL22.index("left_wrist")
+    x = torch.zeros(1, 40, LAYOUT.size)
+    resting = made.mean[LAYOUT["turns"]].view(1, -1)
+    place = kinematics(resting, made.mean[LAYOUT["height"]].view(1, 1))[0, wrist]
+    known = torch.zeros(1, 40, KNOWN.size)
+    KNOWN.read(known, "joints_known")[:, 20, wrist - 1] = 1.0
+    KNOWN.read(known, "joints")[:, 20, wrist - 1] = place + torch.tensor([-0.1, 0.25, 0.25])
+    change = (Reach(made, known, np.zeros((40, 2)))(x, 0.5) - x)[0, 20]
+    moved = dict(zip(SMPL22.joints, LAYOUT.read(change, "turns").view(22, 6).norm(dim=-1).tolist(), strict=True))
+    assert moved["left_shoulder"] > 0.1
+    assert max(moved[name] for name in ("pelvis", "spine1", "spine2", "spine3")) < 0.3 * moved["left_shoulder"]
+
+
+def test_a_pin_may_lie_where_an_action_is_usually_over(engine: LoomEngine) -> None:
+    pins = (Pin("left_wrist", 150, (0.3, 1.0, 0.3)),)
+    motion = engine.generate("throw", 160, constraints=Constraints(pins=pins))
+    assert (len(motion), motion.label_at(159)) == (160, "throw")
