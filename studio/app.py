@@ -227,7 +227,7 @@ def serve(  # noqa: PLR0913, PLR0917 (each is a thing of its own)
         **access.options(host, chosen),
         **options,
     }
-    page = {"/": lambda: make_app(queue, kept)}
+    page: dict[str, Any] = {"/": lambda: make_app(queue, kept)}
     if count > 1:
         return _serve_in_several(page, told, count, open_browser)
     (queue or shared_queue()).submit("server", "warm up", _warm_up)
