@@ -17,13 +17,13 @@ from engines.actions import Action
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.motion import Motion, Provenance, Segment
 from engines.text import TextEncoder
+from engines.text.prompts import CheckedPrompt, PromptCheck
+from engines.text.words import Words
 from engines.text2motion import output, train, words
 from engines.text2motion.config import Text2MotionConfig
 from engines.text2motion.model import Text2Motion, generate
 from engines.text2motion.networks import UNIT
 from engines.text2motion.packed import PackedVAE
-from engines.tm2t.prompts import Reader, Reading
-from engines.tm2t.vocabulary import Words
 from engines.weights_file import SHIPPED
 
 MAX_COUNT = 1024
@@ -106,7 +106,7 @@ class Text2MotionEngine:
         self.capabilities = frozenset(able)
         self._encoder = encoder
         self._packed = PackedVAE(model.text2motion)
-        self._reader: Reader | None = None
+        self._reader: PromptCheck | None = None
 
     # ---- what a person asks for ---------------------------------------------------------------------------
 
@@ -213,7 +213,7 @@ class Text2MotionEngine:
             self._encoder = text.load(self.config.text_encoder)
         return self._encoder
 
-    def read(self, prompt: str) -> Reading:
+    def read(self, prompt: str) -> CheckedPrompt:
         """A prompt as this engine reads it: checked, with the words it does not know.
 
         Raises:
@@ -221,7 +221,7 @@ class Text2MotionEngine:
             OutOfRangeError: it is too long.
         """
         if self._reader is None:
-            self._reader = Reader(Words(self.config.words), self.encoder)
+            self._reader = PromptCheck(Words(self.config.words), self.encoder)
         return self._reader.read(prompt)
 
     def _make(self, asked: _Asked, progress: Progress | None, cancel: Callable[[], bool] | None) -> list[Motion]:
@@ -241,7 +241,9 @@ class Text2MotionEngine:
                 progress(len(made), len(asked.prompts))
         return made
 
-    def _finished(self, motion: Motion, reading: Reading, place: int, asked: _Asked, told: Mapping[str, Any]) -> Motion:
+    def _finished(
+        self, motion: Motion, reading: CheckedPrompt, place: int, asked: _Asked, told: Mapping[str, Any]
+    ) -> Motion:
         parameters = dict(told)
         if said := reading.notes():
             parameters["unmet"] = said
@@ -309,7 +311,7 @@ class _Asked:
         if isinstance(self.temperature, bool) or not 0.0 <= self.temperature <= 2.0:
             raise OutOfRangeError("temperature", self.temperature, "0 to 2")
 
-    def part(self, first: int, readings: Mapping[str, Reading]) -> _Asked:
+    def part(self, first: int, readings: Mapping[str, CheckedPrompt]) -> _Asked:
         """Some of it, made together, prompts as they were read."""
         chosen = slice(first, first + _BATCH)
         prompts = [readings[prompt].sentence for prompt in self.prompts[chosen]]

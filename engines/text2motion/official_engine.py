@@ -26,6 +26,7 @@ from engines.motion import Motion, Provenance, Segment
 from engines.text import tags
 from engines.text.glove import END, START, UNKNOWN, GloVe, read_array, read_words
 from engines.text.lexicon import base_forms
+from engines.text.prompts import tidy
 from engines.text2motion import official
 from engines.text2motion.engine import MAX_COUNT, Lengths
 from engines.text2motion.model import generate
@@ -33,7 +34,6 @@ from engines.text2motion.networks import UNIT, LengthEstimator
 from engines.text2motion.official_weights import OfficialParts, parts_of
 from engines.text2motion.packed import PackedVAE
 from engines.text2motion.words import WordBatch
-from engines.tm2t.prompts import tidy
 
 _SUFFIXES = {".tar", ".pth", ".pt", ".safetensors"}
 _BATCH = 32

@@ -18,14 +18,13 @@ from torch import Tensor
 from engines import datasets, text, weights_file
 from engines.datasets.captions import encoded
 from engines.errors import CheckpointError
-from engines.text import TextEncoder
+from engines.text import TextEncoder, token_vectors
+from engines.text.words import Words
 from engines.text2motion import data
 from engines.text2motion.config import STAGES, Stage, Text2MotionConfig, check_stage
 from engines.text2motion.losses import autoencoder_losses, text2length_losses, text2motion_losses
 from engines.text2motion.model import Text2Motion
 from engines.text2motion.words import Captions
-from engines.tm2t import sentences
-from engines.tm2t.vocabulary import Words
 from engines.training.devices import launch, share_of
 from engines.training.loop import TrainingPlan, TrainingState
 from engines.training.run import RunOptions, run
@@ -58,9 +57,11 @@ class Material:
         vectors: what it makes of them; made here if they are not given.
     """
 
-    def __init__(self, told: data.Told, encoder: TextEncoder, vectors: sentences.TokenVectors | None = None) -> None:
+    def __init__(
+        self, told: data.Told, encoder: TextEncoder, vectors: token_vectors.TokenVectors | None = None
+    ) -> None:
         self.told, self.encoder = told, encoder
-        self.captions = Captions(told.sentences, encoder, vectors or sentences.encode(told.sentences, encoder))
+        self.captions = Captions(told.sentences, encoder, vectors or token_vectors.encode(told.sentences, encoder))
 
 
 def prepared(
@@ -86,7 +87,7 @@ def prepared(
         return None
     encoder = text.load(config.text_encoder)  # before minutes are spent on captions
     told = encoded.load(progress=(lambda done, total, _: progress(done, total)) if progress else None, cancel=cancel)
-    vectors = sentences.load(told.sentences, encoder, datasets.cache_folder(), progress, cancel)
+    vectors = token_vectors.load(told.sentences, encoder, datasets.cache_folder(), progress, cancel)
     return Material(told, encoder, vectors)
 
 

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from engines.text import TextEncoder
 from engines.text.tags import OTHER, SIDES, one_hot, sides_of_pieces, tags_of_pieces
-from engines.tm2t.sentences import TokenVectors
+from engines.text.token_vectors import TokenVectors
 
 
 class WordBatch(NamedTuple):

@@ -15,9 +15,9 @@ from engines.datasets import Clip
 from engines.errors import MotionloomError
 from engines.features import Statistics
 from engines.features.humanml3d import HUMANML3D
+from engines.text.token_vectors import TokenVectors
 from engines.tm2t.config import TM2TConfig
 from engines.tm2t.model import LAYOUT, LONGEST_SENTENCE, TM2T
-from engines.tm2t.sentences import TokenVectors
 from engines.tm2t.vocabulary import FRAMES_A_TOKEN
 from engines.training.devices import ALONE, Share
 

@@ -17,6 +17,7 @@ from engines.actions import Action
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError, demand_whole
 from engines.motion import Motion, Provenance, Segment
 from engines.text import TextEncoder
+from engines.text.prompts import CheckedPrompt, PromptCheck
 from engines.tm2t import output, search, train
 from engines.tm2t.attentive import AttentiveGRU
 from engines.tm2t.config import TM2TConfig
@@ -24,7 +25,6 @@ from engines.tm2t.losses import read_sentences
 from engines.tm2t.model import LONGEST_SENTENCE, TM2T
 from engines.tm2t.output import TokenFigures
 from engines.tm2t.packed import PackedGRU
-from engines.tm2t.prompts import Reader, Reading
 from engines.tm2t.sampling import sample, uniforms
 from engines.tm2t.vocabulary import FRAMES_A_TOKEN
 from engines.weights_file import SHIPPED
@@ -105,7 +105,7 @@ class TM2TEngine:
         self._encoder = encoder
         early = isinstance(model.text2motion, AttentiveGRU) and not self.config.late_attention
         self._packed = PackedGRU(model.text2motion, dtype) if early else None  # pyright: ignore[reportArgumentType]
-        self._reader: Reader | None = None
+        self._reader: PromptCheck | None = None
 
     # ---- text to motion -----------------------------------------------------------------------------------
 
@@ -269,7 +269,7 @@ class TM2TEngine:
             self._encoder = text.load(self.config.text_encoder)
         return self._encoder
 
-    def read(self, prompt: str) -> Reading:
+    def read(self, prompt: str) -> CheckedPrompt:
         """A prompt as this engine reads it: checked, with the words it does not know.
 
         Raises:
@@ -277,7 +277,7 @@ class TM2TEngine:
             OutOfRangeError: it is too long.
         """
         if self._reader is None:
-            self._reader = Reader(self.model.words, self.encoder)
+            self._reader = PromptCheck(self.model.words, self.encoder)
         return self._reader.read(prompt)
 
     def _make(  # noqa: PLR0913, PLR0917 - the request of a person

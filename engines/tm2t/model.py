@@ -8,12 +8,13 @@ import torch
 from torch import Tensor, nn
 
 from engines.features.humanml3d import HUMANML3D
+from engines.text.words import Words
 from engines.tm2t import transformer
 from engines.tm2t.attentive import AttentiveGRU, GRUSizes
 from engines.tm2t.config import PARTS, TM2TConfig
 from engines.tm2t.tokenizer import AveragedCodebook, Codebook, MotionTokenizer
 from engines.tm2t.transformer import Translator
-from engines.tm2t.vocabulary import MotionTokens, Words
+from engines.tm2t.vocabulary import MotionTokens
 
 LAYOUT = HUMANML3D.layout
 HIDDEN_FEATURES = LAYOUT.part("contacts").size

@@ -24,13 +24,14 @@ from torch import Tensor
 from engines import features
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError
 from engines.motion import Motion, Provenance, Segment
+from engines.text.prompts import forms, tidy
+from engines.text.words import split
 from engines.tm2t.attentive import AttentiveGRU
 from engines.tm2t.engine import MAX_COUNT, Caption
 from engines.tm2t.official import BEAMS, MAX_STEPS, MAX_WORDS, TOP_K, beam_search
 from engines.tm2t.official_weights import OfficialParts, parts_of
-from engines.tm2t.prompts import forms, tidy
 from engines.tm2t.sampling import sample, uniforms
-from engines.tm2t.vocabulary import FRAMES_A_TOKEN, MotionTokens, split
+from engines.tm2t.vocabulary import FRAMES_A_TOKEN, MotionTokens
 
 _SUFFIXES = {".tar", ".pth", ".pt", ".safetensors"}
 _LONGEST_CAPTION = 20

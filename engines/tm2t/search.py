@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import torch
 from torch import Tensor
 
-from engines.tm2t.vocabulary import Words
+from engines.text.words import Words
 
 ALPHA = 0.7
 """How much longer sentences are favoured: 0 not at all, 1 by the mean over their words."""

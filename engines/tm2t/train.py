@@ -17,12 +17,12 @@ from torch import Tensor
 from engines import datasets, text, weights_file
 from engines.datasets.captions import encoded
 from engines.errors import CheckpointError
-from engines.text import TextEncoder
-from engines.tm2t import data, sentences
+from engines.text import TextEncoder, token_vectors
+from engines.text.words import Words
+from engines.tm2t import data
 from engines.tm2t.config import PARTS, TM2TConfig, check_stage
 from engines.tm2t.losses import m2t_losses, t2m_losses, vq_losses
 from engines.tm2t.model import TM2T
-from engines.tm2t.vocabulary import Words
 from engines.training.devices import launch, share_of
 from engines.training.loop import TrainingPlan, TrainingState
 from engines.training.run import RunOptions, run
@@ -45,10 +45,10 @@ class Material:
     """
 
     def __init__(
-        self, told: data.Told, encoder: TextEncoder | None = None, vectors: sentences.TokenVectors | None = None
+        self, told: data.Told, encoder: TextEncoder | None = None, vectors: token_vectors.TokenVectors | None = None
     ) -> None:
         self.told, self.encoder = told, encoder
-        self.vectors = sentences.encode(told.sentences, encoder) if encoder and vectors is None else vectors
+        self.vectors = token_vectors.encode(told.sentences, encoder) if encoder and vectors is None else vectors
 
 
 def prepared(
@@ -75,7 +75,8 @@ def prepared(
     if stage == "m2t":
         return Material(told)
     encoder = text.load(config.text_encoder)
-    return Material(told, encoder, sentences.load(told.sentences, encoder, datasets.cache_folder(), progress, cancel))
+    vectors = token_vectors.load(told.sentences, encoder, datasets.cache_folder(), progress, cancel)
+    return Material(told, encoder, vectors)
 
 
 Prepare = Callable[[TM2TConfig, str], Material | None]

@@ -79,7 +79,11 @@ def _prompt(session: Session) -> Prompt:
     """The motion in words."""
     part = Prompt(limit=MAX_PROMPT, sizing_mode="stretch_width", margin=0)
     tie(part, session.state, value="prompt")
-    Understanding(session, lambda said: part.param.update(understood=said))
+
+    def said(words: str) -> None:
+        part.understood = words
+
+    Understanding(session, said)
     return part
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import torch
 
 from engines.features.humanml3d import HUMANML3D
+from engines.text.words import Words
 from engines.text2motion.config import SMALL, STAGES, Text2MotionConfig
 from engines.text2motion.engine import Text2MotionEngine
 from engines.text2motion.model import LAYOUT, Text2Motion
 from engines.text2motion.train import Material
-from engines.tm2t.vocabulary import Words
 from tests.engines.tm2t.tiny import FakeEncoder, Said, clip, clips, movement
 
 __all__ = ["SIZES", "FakeEncoder", "Said", "clip", "clips", "config", "engine", "material", "model", "movement"]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from engines.text.words import Words
 from engines.tm2t.losses import between_marks
 from engines.tm2t.sampling import (
     SoftDrawn,
@@ -20,7 +21,7 @@ from engines.tm2t.sampling import (
     uniforms,
 )
 from engines.tm2t.search import beam_search
-from engines.tm2t.vocabulary import MotionTokens, Words
+from engines.tm2t.vocabulary import MotionTokens
 
 TOKENS = MotionTokens(4)
 

@@ -10,7 +10,8 @@ import torch
 
 import engines
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError
-from engines.tm2t import data, sentences, train
+from engines.text import token_vectors
+from engines.tm2t import data, train
 from engines.tm2t.losses import m2t_losses, t2m_losses, vq_losses
 from engines.training.devices import Share
 from tests.engines.tm2t.tiny import SIZES, FakeEncoder, Said, clip, clips, config, material, model
@@ -227,12 +228,12 @@ def test_clips_too_long_for_their_caption_are_left_out() -> None:
 
 def test_token_vectors_are_kept(tmp_path: Path) -> None:
     said = Said().sentences
-    made = sentences.load(said, FakeEncoder(), tmp_path)
-    again = sentences.load(said, FakeEncoder(), tmp_path)
+    made = token_vectors.load(said, FakeEncoder(), tmp_path)
+    again = token_vectors.load(said, FakeEncoder(), tmp_path)
     np.testing.assert_array_equal(made.vectors, again.vectors)
     assert len(list(tmp_path.iterdir())) == 2
-    sentences.load(said[:2], FakeEncoder(), tmp_path)
+    token_vectors.load(said[:2], FakeEncoder(), tmp_path)
     assert len(list(tmp_path.iterdir())) == 4
     with pytest.raises(Cancelled):
-        sentences.load(said[:1], FakeEncoder(), tmp_path, cancel=lambda: True)
+        token_vectors.load(said[:1], FakeEncoder(), tmp_path, cancel=lambda: True)
     assert len(list(tmp_path.iterdir())) == 4

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from engines.tm2t.vocabulary import MotionTokens, Words, split
+from engines.text.words import Words, split
+from engines.tm2t.vocabulary import MotionTokens
 
 SENTENCES = (
     "A person walks forward, taking about two seconds.",

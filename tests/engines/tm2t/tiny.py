@@ -12,11 +12,11 @@ import torch
 from engines.datasets import Clip
 from engines.features.humanml3d import HUMANML3D
 from engines.text import EncodedText
+from engines.text.words import Words
 from engines.tm2t.config import PARTS, SMALL, TM2TConfig
 from engines.tm2t.engine import TM2TEngine
 from engines.tm2t.model import LAYOUT, TM2T
 from engines.tm2t.train import Material
-from engines.tm2t.vocabulary import Words
 from tests.engines.action2motion.tiny import clip, clips, movement
 
 __all__ = ["SIZES", "FakeEncoder", "Said", "clip", "clips", "config", "engine", "material", "model", "movement"]

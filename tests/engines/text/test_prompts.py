@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 
 from engines.errors import MotionloomError, OutOfRangeError
-from engines.tm2t.prompts import Reader, tidy
-from engines.tm2t.vocabulary import Words
+from engines.text.prompts import PromptCheck, tidy
+from engines.text.words import Words
 from tests.engines.tm2t.tiny import FakeEncoder
 
 WORDS = Words(("person", "walks", "waving", "hop", "tries", "jete", "left", "hand", "the", "a", ".", "dance"))
 
 
 def unknown(prompt: str) -> list[str]:
-    return [word for word, _ in Reader(WORDS, FakeEncoder()).read(prompt).unknown]
+    return [word for word, _ in PromptCheck(WORDS, FakeEncoder()).read(prompt).unknown]
 
 
 @pytest.mark.parametrize(("prompt", "says"), [
@@ -51,10 +51,10 @@ def test_forms_of_known_words_are_known(prompt: str) -> None:
 
 
 def test_unknown_words_come_with_the_nearest() -> None:
-    reading = Reader(WORDS, FakeEncoder()).read("A persn gallops with the left hand")
+    reading = PromptCheck(WORDS, FakeEncoder()).read("A persn gallops with the left hand")
     assert [word for word, _ in reading.unknown] == ["persn", "gallops"]
     nearest = dict(reading.unknown)
     assert nearest["persn"][0] == "person"
     assert len(nearest["gallops"]) == 3
     assert "gallops" in reading.notes()[1]
-    assert Reader(Words(()), FakeEncoder()).read("gallop").unknown == ()
+    assert PromptCheck(Words(()), FakeEncoder()).read("gallop").unknown == ()

@@ -12,7 +12,7 @@ import numpy as np
 from engines.errors import MotionloomError, OutOfRangeError
 from engines.errors import nearest as nearest_spelled
 from engines.text import TextEncoder
-from engines.tm2t.vocabulary import Words, split
+from engines.text.words import Words, split
 
 LONGEST = 1000
 """Characters of a prompt."""
@@ -31,7 +31,7 @@ _SMALL_WORDS = frozenset(
 
 
 @dataclass(frozen=True)
-class Reading:
+class CheckedPrompt:
     """A prompt as the engine reads it."""
 
     sentence: str
@@ -85,7 +85,7 @@ def _named(character: str) -> str:
     return f"a control character ({name})" if kind.startswith("C") else f"{character!r} ({name})"
 
 
-class Reader:
+class PromptCheck:
     """Reads prompts against the words of the training's captions.
 
     Args:
@@ -97,11 +97,11 @@ class Reader:
         self.words, self.encoder = words, encoder
         self._candidates = [word for word in words.known if word.isalpha() and word not in _SMALL_WORDS]
 
-    def read(self, prompt: str) -> Reading:
+    def read(self, prompt: str) -> CheckedPrompt:
         """A prompt, checked; see `tidy` for what is refused."""
         sentence = tidy(prompt)
         if not self._candidates:
-            return Reading(sentence)
+            return CheckedPrompt(sentence)
         folded = unicodedata.normalize("NFKD", sentence)
         plain = "".join(character for character in folded if not unicodedata.combining(character))
         strange = [
@@ -109,7 +109,7 @@ class Reader:
             for word in dict.fromkeys(split(plain))
             if word[0].isalpha() and word not in _SMALL_WORDS and not self._is_known(word)
         ][:_SHOWN]
-        return Reading(sentence, tuple(zip(strange, self._nearest(strange), strict=True)))
+        return CheckedPrompt(sentence, tuple(zip(strange, self._nearest(strange), strict=True)))
 
     def _is_known(self, word: str) -> bool:
         """As it is, or in another of its forms."""
