@@ -98,23 +98,26 @@ def test_contact_marks_are_where_feet_stand_and_when() -> None:
 def test_playing_leaves_frames_out_rather_than_slowing_down() -> None:
     """The notebook's loop goes by the clock on the wall, whatever drawing takes."""
     pytest.importorskip("ipywidgets")
-    with look(poses.stride(40)) as one:
-        panel_of(one).play.value = False
 
-        async def watch() -> None:
-            panel = panel_of(one)
-            panel.play.value = True
-            while one.frame == 0:
-                await asyncio.sleep(0.02)
-            panel.play.value = False
-            await asyncio.sleep(0.1)
-            held = one.frame
-            await asyncio.sleep(0.1)
-            assert one.frame == held and not one.playback.playing
+    async def watch(one: Inspector) -> None:
+        panel = panel_of(one)
+        panel.play.value = True
+        while one.frame == 0:
+            await asyncio.sleep(0.02)
+        panel.play.value = False
+        await asyncio.sleep(0.1)
+        held = one.frame
+        await asyncio.sleep(0.1)
+        assert one.frame == held and not one.playback.playing
 
-        # in a thread of its own: the browser's tests leave a loop running in this one
-        with ThreadPoolExecutor(1) as thread:
-            thread.submit(asyncio.run, asyncio.wait_for(watch(), 60)).result()
+    def notebook() -> None:
+        with look(poses.stride(40)) as one:
+            panel_of(one).play.value = False
+            asyncio.run(asyncio.wait_for(watch(one), 60))
+
+    # all of it in a thread of its own: the browser's tests leave a loop running here, and OpenGL is of one thread
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(notebook).result()
 
 
 def panel_of(one: Inspector):
