@@ -13,7 +13,7 @@ studio: $(VENV)/.run  ## Install what is missing, start the studio, open it in t
 
 test: $(VENV)/.dev  ## All tests (golden numbers and real data too where ../shared is present)
 	@sh scripts/system_packages.sh egl chromium ffmpeg
-	OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} $(PY) -m pytest -n 2 --dist loadfile  # tiny tensors: more threads only wait
+	@sh scripts/run_tests.sh $(PY)
 
 check: $(VENV)/.dev  ## Formatting, lint, types, architecture
 	$(VENV)/bin/ruff format --check .
