@@ -15,7 +15,6 @@ import asyncio
 import json
 import os
 import re
-import subprocess
 import sys
 import tempfile
 import time
@@ -30,7 +29,7 @@ from tornado.websocket import WebSocketClientConnection, websocket_connect
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.ui.conftest import _answers, free_port, wait_for  # noqa: E402 - no package, found through the line above
+from tests.ui.conftest import free_port, start  # noqa: E402 - no package, found through the line above
 
 PATIENCE = 300.0
 """Seconds until a session is given up."""
@@ -221,14 +220,9 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--engine", default="", help="[the studio's usual one]")
     asked = parser.parse_args()
-    port = free_port()
-    url = f"http://127.0.0.1:{port}/"
     folder = tempfile.TemporaryDirectory()
-    command = [sys.executable, "-m", "studio.cli", "studio", "--port", str(port), "--no-browser"]
-    places = os.environ | {"MOTIONLOOM_LIBRARY": f"{folder.name}/library.db", "TMPDIR": folder.name}
-    server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, env=places)
+    url, server = start("studio.cli", Path(folder.name), free_port())
     try:
-        wait_for(lambda: _answers(url), "the server", 120)
         rounds = asyncio.run(run(url, asked, server.pid))
     finally:
         server.terminate()

@@ -6,12 +6,11 @@ Engines go from one draw to another, so a place on the map stands on the line be
 from __future__ import annotations
 
 import random
-import uuid
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import param
@@ -240,20 +239,7 @@ class Mapping:
         place, motion = self._place, self._shown()
         if place is None or motion is None:
             return
-        settings, takes = self._settings(place), self.session.takes
-
-        def work(_progress: Progress, _cancel: Cancel) -> tuple[Any, dict]:
-            return takes.store.hold([motion])[0], dict(tasks.measure(motion))
-
-        def show(job: Job) -> None:
-            if job.status == "failed":
-                self.state.error = job.error
-            elif job.status == "done":
-                held, metrics = job.result
-                made = takes.add([held], group=uuid.uuid4().hex, settings=settings, metrics=[metrics])
-                self.session.shelve(made, takes)
-
-        self.session.submit("keep", work, show)
+        self.session.keep(motion, self._settings(place), lambda problem: setattr(self.state, "error", problem))
 
     def _settings(self, place: Place) -> GenerateSettings:
         """What makes the motion at a place again."""

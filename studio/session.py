@@ -198,6 +198,28 @@ class Session:
         self.state.param.update(selected=made[0].id, stage_mode=mode)
         self._draw_pictures(made)
 
+    def keep(self, motion: engines.Motion, settings: GenerateSettings, failed: Callable[[str], None]) -> None:
+        """Make a take of a motion that is there already.
+
+        Args:
+            motion: what it shows.
+            settings: what makes it again.
+            failed: hears why it cannot be kept.
+        """
+        takes = self.takes
+
+        def work(_progress: Any, _cancel: Any) -> tuple[Any, dict]:
+            return takes.store.hold([motion])[0], dict(tasks.measure(motion))
+
+        def show(job: Job) -> None:
+            if job.status == "failed":
+                failed(job.error)
+            elif job.status == "done":
+                held, metrics = job.result
+                self.shelve(takes.add([held], group=uuid.uuid4().hex, settings=settings, metrics=[metrics]), takes)
+
+        self.submit("keep", work, show)
+
     def _draw_pictures(self, made: list[Take]) -> None:
         """Thumbnails, drawn one after another and kept with the takes."""
         drawn: dict[str, str] = {}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import uuid
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -67,20 +66,9 @@ class Varying:
         if pair is None or self._between[0] != key:
             return
         settings = between_settings(*pair, state.blend_share)
-        motion, takes = self._between[1][settings.blend_step], self.session.takes
-
-        def work(_progress: Any, _cancel: Any) -> tuple[Any, dict]:
-            return takes.store.hold([motion])[0], dict(tasks.measure(motion))
-
-        def show(job: Job) -> None:
-            if job.status == "failed":
-                state.vary_error = job.error
-            elif job.status == "done":
-                held, metrics = job.result
-                made = takes.add([held], group=uuid.uuid4().hex, settings=settings, metrics=[metrics])
-                self.session.shelve(made, takes)
-
-        self.session.submit("keep", work, show)
+        self.session.keep(
+            self._between[1][settings.blend_step], settings, lambda problem: setattr(state, "vary_error", problem)
+        )
 
     def _pair(self) -> tuple[GenerateSettings, GenerateSettings] | None:
         state = self.session.state

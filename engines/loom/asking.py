@@ -11,9 +11,8 @@ from engines.errors import OutOfRangeError, UnknownLabelError
 from engines.loom.config import LoomConfig
 from engines.loom.passes import Request
 from engines.text import reader
+from engines.text.prompts import LONGEST
 
-MAX_PROMPT = 1000
-"""Characters."""
 _MOST_IN_TURN, _LEAST_IN_TURN = 8, 15
 """Actions that one prompt may ask for one after the other, and frames that each of them gets at least."""
 
@@ -42,8 +41,8 @@ class Asking:
             raise UnknownLabelError("action", action, self.config.actions)
         if style is not None and style not in self.config.styles:
             raise UnknownLabelError("style", style, self.config.styles)
-        if prompt is not None and len(prompt) > MAX_PROMPT:
-            raise OutOfRangeError("length of the prompt", len(prompt), f"up to {MAX_PROMPT:,} characters")
+        if prompt is not None and len(prompt) > LONGEST:
+            raise OutOfRangeError("length of the prompt", len(prompt), f"up to {LONGEST:,} characters")
         if prompt and not (action and style):
             found = self.read(prompt)
             action = action or (found.action if found.action in self.config.actions else None)
@@ -85,11 +84,12 @@ class Asking:
 
     def read(self, prompt: str) -> reader.Reading:
         """What a prompt is taken to ask for, of all actions and styles there are words for."""
-        return reader.load().read([" ".join(prompt.split())])[0]
+        return reader.load().read([prompt])[0]
 
     def understood(self, prompt: str) -> str:
         """What is made of a prompt, a sentence or two for the person who typed it; nothing of an empty one."""
-        if not prompt.strip():
+        prompt = " ".join(prompt.split())
+        if not prompt:
             return ""
         parts = self.in_turn(prompt)
         if parts:

@@ -34,6 +34,7 @@ MAX_FRAMES = 12_000
 MAX_COUNT = 1024
 _CHUNK_FRAMES = 64 * 200
 """So many frames are generated together: bounds memory, lets progress and cancel be heard."""
+
 Progress = Callable[[int, int], None]
 
 
@@ -239,7 +240,7 @@ class LoomEngine:
         # two independent normal draws are at right angles, so this keeps the length of the noise
         noise = torch.cos(share) * a.noise + torch.sin(share) * b.noise
         how = How(told.get("guidance", GUIDANCE), 6)
-        (window,) = windows(self.config, [(request.action, a.frames)])[:1]
+        (window,) = windows(self.config, [(request.action, a.frames)], again=False)
         motions, _ = self._passes.window(window, request, noise, how)
         parameters = {"frames": a.frames, "interpolate": [a.seed, b.seed], "style": style}
         return self._finished(motions, [(request, a.frames)], a.seed, range(steps), parameters)

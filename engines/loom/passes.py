@@ -16,7 +16,7 @@ from engines.loom import output
 from engines.loom.constraints import NOTHING, Constraints, Keep, Known, compile_known
 from engines.loom.model import Adjust, Loom
 from engines.loom.networks import Wanted
-from engines.loom.plan import WHOLE, Window, windows
+from engines.loom.plan import Window, windows
 from engines.loom.reach import Reach
 from engines.loom.representation import LAYOUT, frames_of
 from engines.motion import Motion
@@ -60,6 +60,11 @@ class How:
     start: tuple[Tensor, float] | None = None
     """Features (1, T, D) and the noise level to begin at, instead of noise alone."""
 
+    @property
+    def of_one_window(self) -> bool:
+        """Whether all of it speaks of one window, so that there may be no second."""
+        return bool(self.constraints) or self.start is not None
+
 
 class Passes:
     """The model at work."""
@@ -67,7 +72,6 @@ class Passes:
     def __init__(self, model: Loom) -> None:
         self.model, self.config = model, model.config
         self._mean, self._std = model.mean.numpy(), model.std.numpy()
-        self._said = "", torch.zeros(1, sides.SIZE)
 
     def noise(self, seed: int, indices: Sequence[int], frames: int, window: int = 0) -> Tensor:
         """(B, T, D) standard normal, each motion's from its own stream; T is padded to whole patches."""
@@ -102,10 +106,7 @@ class Passes:
         motions, said, number = given, [], 0
         for request, frames in segments:
             before = 0 if motions is None else len(motions[0])
-            asked = windows(self.config, [(request.action, frames)], before)
-            if how.constraints:  # one window holds all that is pinned, however long the action usually takes
-                asked = [Window(request.action, frames, 0, WHOLE)]
-            for window in asked:
+            for window in windows(self.config, [(request.action, frames)], before, again=not how.of_one_window):
                 shown = None if motions is None else [m[len(m) - window.shown :] for m in motions]
                 noise = self.noise(seed, indices, window.shown + window.frames + how.constraints.loop * LOOP, number)
                 new, told = self.window(window, request, noise, how, shown)
@@ -167,15 +168,11 @@ class Passes:
         return Wanted(numbers[0], numbers[1], text.expand(count, -1), numbers[2], numbers[3])
 
     def _sentence(self, prompt: str) -> Tensor:
-        """(1, `sides.SIZE`) of a prompt; the last one is kept, since a long motion asks for each window."""
-        last, told = self._said
-        if last != prompt:
-            from engines import text as encoders
+        """(1, `sides.SIZE`) of a prompt."""
+        from engines import text as encoders
 
-            vectors = encoders.load(self.config.text_encoder).encode([prompt]).sentences
-            told = torch.from_numpy(sides.joined(vectors.numpy(), [prompt]))
-            self._said = prompt, told
-        return told
+        vector = encoders.sentence_vector(prompt, self.config.text_encoder)
+        return torch.from_numpy(sides.joined(vector[None].numpy(), [prompt]))
 
     def _known(
         self, constraints: Constraints, shown: list[Motion] | None, frames: int, count: int, request: Request

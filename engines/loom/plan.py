@@ -31,29 +31,31 @@ class Window:
     span: int
 
 
-def windows(config: LoomConfig, segments: Sequence[tuple[str | None, int]], given: int = 0) -> list[Window]:
+def windows(
+    config: LoomConfig, segments: Sequence[tuple[str | None, int]], given: int = 0, *, again: bool = True
+) -> list[Window]:
     """The passes that make segments of (action, frames), one after the other.
 
     Args:
         config: of the model: how long its windows and how long actions are.
         segments: in order; no action means that words say it all.
         given: frames that are there before the first segment.
+        again: whether an action done once is done again where there is time; else one window has it, however long.
     """
     made: list[Window] = []
     for action, frames in segments:
         before = bool(made) or given > 0
-        for index, (count, span) in enumerate(_split(config, action, frames, before)):
-            again = index > 0 and _once(action)
-            shown = AGAIN if again else OVERLAP
+        for index, (count, span) in enumerate(_split(config, action, frames, before, again)):
+            shown = AGAIN if index > 0 and _once(action) else OVERLAP
             held = given if not made else 10**6
             made.append(Window(action, count, min(shown, held) if before or index else 0, span))
     return made
 
 
-def _split(config: LoomConfig, action: str | None, frames: int, before: bool) -> list[tuple[int, int]]:
+def _split(config: LoomConfig, action: str | None, frames: int, before: bool, again: bool) -> list[tuple[int, int]]:
     """(frames, span) of the windows of one segment."""
     room = config.longest - (OVERLAP if before else 0)
-    if _once(action):
+    if again and _once(action):
         assert action is not None
         _, usual, longest = config.usual_frames[config.actions.index(action)]
         if frames > max(_STRETCH * longest, longest + 10):

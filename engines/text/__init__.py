@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from engines.text.encoder import EncodedText, TextEncoder, load
+from engines.text.encoder import EncodedText, TextEncoder, load, sentence_vector
 
-__all__ = ["EncodedText", "TextEncoder", "load"]
+__all__ = ["EncodedText", "TextEncoder", "load", "sentence_vector"]

@@ -59,3 +59,14 @@ def load(name: str = "minilm") -> TextEncoder:
     from engines.text.minilm import MiniLM
 
     return MiniLM()
+
+
+@lru_cache(maxsize=256)
+def sentence_vector(sentence: str, name: str = "minilm") -> Float[Tensor, " D"]:
+    """The unit vector of one sentence, worked out once for all who ask for it.
+
+    Raises:
+        UnknownLabelError: no such encoder.
+        CheckpointError: as `load`.
+    """
+    return load(name).encode([sentence]).sentences[0]

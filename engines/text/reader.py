@@ -21,8 +21,7 @@ import torch
 from torch import Tensor, nn
 
 from engines import weights_file
-from engines.text.encoder import TextEncoder
-from engines.text.encoder import load as load_encoder
+from engines.text.encoder import TextEncoder, sentence_vector
 from engines.text.sides import SIDES, named
 from engines.weights_file import SHIPPED
 
@@ -60,7 +59,7 @@ class PromptReader(nn.Module):
     Args:
         actions: the names it knows.
         styles: the names it knows.
-        encoder: gives sentence vectors; `engines.text.load()` when first asked.
+        encoder: gives sentence vectors of many at a time; the usual one, sentence by sentence, if none.
     """
 
     def __init__(self, actions: Sequence[str], styles: Sequence[str], encoder: TextEncoder | None = None) -> None:
@@ -75,8 +74,9 @@ class PromptReader(nn.Module):
     def vectors(self, sentences: Sequence[str]) -> Tensor:
         """(N, D) what the maps see of sentences."""
         if self._encoder is None:
-            self._encoder = load_encoder()
-        said = self._encoder.encode(sentences).sentences
+            said = torch.stack([sentence_vector(line) for line in sentences])
+        else:
+            said = self._encoder.encode(sentences).sentences
         return torch.cat([said, torch.from_numpy(named(sentences)) * SIDE_WEIGHT], dim=-1)
 
     @torch.inference_mode()

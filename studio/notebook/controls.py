@@ -9,7 +9,7 @@ from typing import Any
 import ipywidgets as widgets
 
 from studio.notebook.maker import Maker
-from studio.proportions import BONES, LONGEST, SHORTEST
+from studio.proportions import BONES, LONGEST, SHORTEST, bone_scale, factors
 from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_SEED
 
 WIDTH = "300px"
@@ -176,18 +176,27 @@ def _advanced(ties: Ties) -> list[Any]:
 def _bones(ties: Ties) -> list[Any]:
     state = ties.maker.state
     sliders = {
-        name: field(widgets.FloatSlider, name, value=1.0, min=SHORTEST, max=LONGEST, step=0.01, continuous_update=False)
+        name: field(
+            widgets.FloatSlider,
+            name.capitalize(),
+            value=1.0,
+            min=SHORTEST,
+            max=LONGEST,
+            step=0.01,
+            continuous_update=False,
+        )
         for name in BONES
     }
 
     def asked(_value: Any) -> None:
-        factors = {joint: s.value for name, s in sliders.items() for joint in BONES[name] if s.value != 1.0}
-        if factors != state.bone_scale:
-            state.bone_scale = factors
+        scale = bone_scale({name: slider.value for name, slider in sliders.items()})
+        if scale != state.bone_scale:
+            state.bone_scale = scale
 
     def show() -> None:
+        values = factors(state.bone_scale)
         for name, slider in sliders.items():
-            slider.value = state.bone_scale.get(BONES[name][0], 1.0)
+            slider.value = values[name]
 
     for slider in sliders.values():
         ties.act(slider, asked)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from studio.proportions import bone_scale, factors
 from studio.session import Session
 from studio.views.binding import follow
 from studio.views.parts import BodyPanel
@@ -15,13 +16,6 @@ TEXTS = {
     "smplh": "SMPL-H (your file)", "smplx": "SMPL-X (your file)",
 }  # fmt: skip
 """What the bodies are called."""
-BONES = {
-    "legs": ("left_knee", "right_knee", "left_ankle", "right_ankle"),
-    "arms": ("left_elbow", "right_elbow", "left_wrist", "right_wrist"),
-    "torso": ("spine1", "spine2", "spine3", "neck"),
-    "shoulders": ("left_shoulder", "right_shoulder"),
-}
-"""Slider -> bones, by the joints they lead to; "height" is all of them."""
 LEAST, MOST = 0.75, 1.3
 """Factors on bones; height times one of the others stays within what an engine takes."""
 
@@ -83,30 +77,6 @@ def _bones(scale: Mapping[str, float]) -> list[dict[str, Any]]:
          "value": value, "ends": []}
         for name, value in values.items()
     ]  # fmt: skip
-
-
-def factors(scale: Mapping[str, float]) -> dict[str, float]:
-    """Slider -> factor, of what settings say of joints."""
-    height = scale.get("*", 1.0)
-    parts = {name: round(scale.get(joints[0], height) / height, 3) for name, joints in BONES.items()}
-    return {"height": height, **parts}
-
-
-def bone_scale(values: Mapping[str, float]) -> dict[str, float]:
-    """Settings of joints, of slider -> factor; the reverse of `factors`."""
-    height = values.get("height", 1.0)
-    scale = {"*": height} if height != 1.0 else {}
-    for name, joints in BONES.items():
-        if values.get(name, 1.0) != 1.0:
-            scale |= dict.fromkeys(joints, round(height * values[name], 4))
-    return scale
-
-
-def proportions(scale: Mapping[str, float]) -> str:
-    """Lengths of bones in words: by sliders where these say it all, else by joints."""
-    values = {name: factor for name, factor in factors(scale).items() if factor != 1.0}
-    said = values if bone_scale(values) == dict(scale) else scale
-    return ", ".join(f"{name} × {factor:g}" for name, factor in said.items())
 
 
 def _scale(session: Session, values: Mapping[str, float]) -> None:

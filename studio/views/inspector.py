@@ -12,12 +12,13 @@ import panel as pn
 from engines.errors import MotionloomError
 from studio import tasks
 from studio.edits import WORDS
+from studio.proportions import proportions
 from studio.quality import measures
 from studio.session import Session
 from studio.settings import GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
-from studio.views.body import body_panel, proportions
+from studio.views.body import body_panel
 from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments, Tags
 from studio.wording import duration

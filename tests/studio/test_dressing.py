@@ -9,9 +9,9 @@ import pytest
 from engines.errors import FormatError, OutOfRangeError
 from studio import tasks
 from studio.library import open_library, schema
+from studio.proportions import bone_scale, factors, proportions
 from studio.settings import ExportSettings, Settings, parse_settings
 from studio.takes import TakeList
-from studio.views.body import bone_scale, factors, proportions
 from tests.studio.fakes import sway
 from viewers import bodies
 
