@@ -23,6 +23,8 @@ class StylizationConfig(Config):
     """Whether style labels are told."""
     styles: tuple[str, ...] = ()
     """Labels, in one-hot order."""
+    pace: tuple[tuple[float, float], ...] = ()
+    """How fast each style moves beside a neutral one, (standing, travelling); measured on the clips of the training."""
     window: int = 160
     """Frames of a training window at 30 fps."""
 

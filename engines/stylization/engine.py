@@ -17,6 +17,7 @@ from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
 from engines.stylization import train
 from engines.stylization.model import LAYOUT, Stylizer
+from engines.stylization.tempo import at_pace, travels
 from engines.weights_file import SHIPPED
 
 SHORTEST = 8
@@ -44,7 +45,9 @@ class StylizationEngine:
         self.variant = self.config.latent + ("" if self.config.supervised else "-unsupervised")
         self.variants = shipped_variants() or (self.variant,)
         self.styles: tuple[str, ...] = self.config.styles if self.config.supervised else ()
-        self.capabilities = frozenset({"stylise", "references", "variants", *({"styles"} if self.styles else ())})
+        told = {"styles"} if self.styles else set()
+        timed = {"tempo"} if self.styles and self.config.pace else set()
+        self.capabilities = frozenset({"stylise", "references", "variants"} | told | timed)
 
     def stylise(  # noqa: PLR0913 - the request of a person, each part optional
         self,
@@ -53,6 +56,7 @@ class StylizationEngine:
         *,
         like: Motion | None = None,
         strength: float = 1.0,
+        tempo: bool = False,
         count: int = 1,
         seed: int = 0,
     ) -> list[Motion]:
@@ -61,36 +65,49 @@ class StylizationEngine:
         Args:
             motion: any of 8 frames or more at 30 fps; retargeted to smpl22 where it is not.
             style: a name of `styles` (label-based); with `like`, the style that shows.
-            like: a motion to take the manner from (motion-based). Without both it is drawn from the prior.
+            like: a motion to take the manner from (motion-based). Without both it is drawn from the prior: a style
+                code, and in the supervised setting a style.
             strength: 0 gives the motion back, 1 the style as it was learned, up to 1.5 more of it.
+            tempo: whether it also becomes as fast as the style is, beside its own or a normal one.
             count: how many; they differ in the style code that is drawn.
             seed: of the draws; the same one gives the same motions.
 
         Returns:
-            Motions at 30 fps, of the length of the given one, where it stood.
+            Motions at 30 fps, where the given one stood and, without `tempo`, as long as it.
 
         Raises:
             UnknownLabelError: a style that is not known, or any for weights that learned without labels.
             OutOfRangeError: a number is outside its range; the motion is too short or too long.
         """
         _check(strength, count, seed)
-        label = self._label(style, like)
         house, features = self._seen(motion)
+        names = self._names(style, like, count, seed)
+        label = self._labels(names)
         codes = self._codes(features, count)
-        noise = torch.stack([_noise(seed, index, self.config.style_size) for index in range(count)])
-        if like is None:
-            told = noise
-        else:
-            reference = self.model.encode(self._normal(self._seen(like)[1]))
-            told = self.model.style_of(reference.expand(count, -1, -1), _rows(label, count)).sample(noise)
-        made = self._restyled(features, codes, told, _rows(label, count), strength)
+        draws = (torch.randn(self.config.style_size, generator=_generator(seed, index)) for index in range(count))
+        told = torch.stack([*draws])
+        if like is not None:
+            reference = self.model.encode(self._normal(self._seen(like)[1])).expand(count, -1, -1)
+            told = self.model.style_of(reference, label).sample(told)
+        made = self._restyled(features, codes, told, label, strength)
         said = {"style": style, "like": None if like is None else like.provenance.source, "strength": strength}
-        return [self._finished(house, row, style, said, seed, index) for index, row in enumerate(made)]
+        done = [
+            self._finished(house, row, name, said, seed, index)
+            for index, (row, name) in enumerate(zip(made, names, strict=True))
+        ]
+        if not tempo:
+            return done
+        own = house.label_at(0, "style")
+        return [
+            at_pace(one, (self._pace(name, house) / self._pace(own, house)) ** strength)
+            for one, name in zip(done, names, strict=True)
+        ]
 
     def style_code(self, motion: Motion, style: str | None = None) -> np.ndarray:
         """(K,) where the manner of a motion lies in the style space, mean of its Gaussian."""
         code = self.model.encode(self._normal(self._seen(motion)[1]))
-        return self.model.style_of(code, self._label(style, motion)).mean[0].numpy()
+        label = self._labels(self._names(style, motion, 1, 0))
+        return self.model.style_of(code, label).mean[0].numpy()
 
     def interpolate_styles(
         self, motion: Motion, a: np.ndarray, b: np.ndarray, steps: int = 5, style: Sequence[str] = ()
@@ -109,30 +126,41 @@ class StylizationEngine:
         house, features = self._seen(motion)
         share = torch.linspace(0, 1, steps)[:, None]
         first, last = (torch.as_tensor(code, dtype=torch.float32) for code in (a, b))
-        label = None
-        if self.config.supervised:
-            ends = [self._label(name, None) for name in (style or self.styles[:1])]
-            assert ends[0] is not None and ends[-1] is not None
-            label = (1 - share) * ends[0] + share * ends[-1]
+        names = [*style] or [None]
+        ends = self._labels([self._known(name) for name in (names[0], names[-1])])
+        label = None if ends is None else (1 - share) * ends[:1] + share * ends[1:]
         made = self._restyled(features, self._codes(features, steps), (1 - share) * first + share * last, label, 1.0)
         return [self._finished(house, row, " > ".join(style) or None, {}, 0, i) for i, row in enumerate(made)]
 
     # ---- how it is made ---------------------------------------------------------------------------------------
 
-    def _label(self, style: str | None, like: Motion | None) -> Tensor | None:
-        """(1, S) one-hot; a reference brings its own, if it has one."""
-        if not self.config.supervised:
-            if style is not None and like is None:
-                raise UnknownLabelError("style of weights that learned without labels", style, ("(none)",))
+    def _known(self, style: str | None) -> str | None:
+        """The style itself, if it is one that was learned or none."""
+        if style is not None and style not in self.styles:
+            raise UnknownLabelError("style", style, self.styles or ("(none: these weights learned without labels)",))
+        return style
+
+    def _names(self, style: str | None, like: Motion | None, count: int, seed: int) -> list[str | None]:
+        """The style of each of `count`: the one asked for, the reference's own, or one by chance."""
+        if not self.styles:
+            return [self._known(style) if like is None else None] * count
+        if style is not None or like is not None:
+            name = style or (like.label_at(0, "style") if like is not None else None)
+            return [self._known(name)] * count
+        draws = (torch.randint(len(self.styles), (), generator=_generator(seed, index)) for index in range(count))
+        return [self.styles[int(draw)] for draw in draws]
+
+    def _labels(self, names: Sequence[str | None]) -> Tensor | None:
+        """(N, S) one-hot, a style that is not known spread over all; none in the unsupervised setting."""
+        if not self.styles:
             return None
-        name = style or (like.label_at(0, "style") if like is not None else None)
-        if name is None and like is None:
-            return torch.full((1, len(self.styles)), 1 / len(self.styles))  # no style in particular
-        if name is not None and name not in self.styles:
-            raise UnknownLabelError("style", name, self.styles)
-        index = torch.tensor([self.styles.index(name)]) if name else None
-        size = len(self.styles)
-        return torch.full((1, size), 1 / size) if index is None else torch.nn.functional.one_hot(index, size).float()
+        rows = torch.eye(len(self.styles))
+        return torch.stack([rows.mean(0) if name is None else rows[self.styles.index(name)] for name in names])
+
+    def _pace(self, style: str | None, motion: Motion) -> float:
+        """How fast a style is beside a neutral one, on the spot or on the way as the motion is."""
+        known = style in self.styles and self.config.pace
+        return self.config.pace[self.styles.index(str(style))][int(travels(motion))] if known else 1.0
 
     def _seen(self, motion: Motion) -> tuple[Motion, np.ndarray]:
         """The motion at 30 fps on smpl22, and its features (T, D)."""
@@ -153,13 +181,14 @@ class StylizationEngine:
     def _restyled(
         self, features: np.ndarray, codes: Tensor, told: Tensor, label: Tensor | None, strength: float
     ) -> np.ndarray:
-        """Features (N, T, D), not normalised: the given ones and so much of what the style changes in them."""
+        """Features (N, T, D), not normalised: on the way from the given ones to those of the stylised code.
+
+        What the autoencoder cannot say of the given motion stays in it, and so does what the regressor cannot tell of
+        its travel: without strength nothing changes.
+        """
         model, given = self.model, self._normal(features)
-        content = model.content(codes)
-        own = model.style_of(codes, label)
-        change = model.generate(content, told, label) - model.generate(content, own.mean, label)
-        base = model.decode(codes)
-        made = given + model.decode(codes + strength * change) - base
+        styled = model.generate(model.content(codes), told, label)
+        made = given + model.decode(codes + strength * (styled - codes)) - model.decode(codes)
         turning = given[..., LAYOUT["yaw_velocity"]].expand(len(made), -1, -1)
         travel = (
             given[..., LAYOUT["root_velocity"]]
@@ -214,9 +243,5 @@ def _check(strength: float, count: int, seed: int) -> None:
         raise OutOfRangeError("seed", seed, "a whole number from 0 to 2^63 - 1")
 
 
-def _noise(seed: int, index: int, size: int) -> Tensor:
-    return torch.randn(size, generator=torch.Generator().manual_seed((seed * 1_000_003 + index) % 2**63))
-
-
-def _rows(label: Tensor | None, count: int) -> Tensor | None:
-    return None if label is None else label.expand(count, -1)
+def _generator(seed: int, index: int) -> torch.Generator:
+    return torch.Generator().manual_seed((seed * 1_000_003 + index) % 2**63)

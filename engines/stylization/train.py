@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from engines import datasets, weights_file
 from engines.errors import CheckpointError, UnknownLabelError
-from engines.stylization import losses
+from engines.stylization import losses, tempo
 from engines.stylization.config import StylizationConfig
 from engines.stylization.data import Windows
 from engines.stylization.losses import Draws
@@ -65,7 +65,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but three optional
     if clips is None:
         clips, validation = datasets.load("train", corpora), datasets.load("val", corpora)
     styles = config.styles or tuple(sorted({clip.style for clip in clips if clip.style}))
-    config = config.checked().replaced(styles=styles)
+    config = config.checked().replaced(styles=styles, pace=tempo.measured(clips, styles))
     windows = Windows(clips, config)
     torch.manual_seed(seed)
     model = Stylizer(config)
