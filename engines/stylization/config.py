@@ -58,6 +58,8 @@ class StylizationConfig(Config):
     """lambda_cyc; 0.1 and 1."""
     kl_weight: float = 0.1
     """lambda_kl; 0.1 and 0.01."""
+    critic_weight: float = 0.0
+    """Not the thesis's: on what a critic of styles, trained along, says of transferred codes (supervised setting)."""
     autoencoder_steps: int = 60_000
     regressor_steps: int = 20_000
     steps: int = 60_000
@@ -70,6 +72,11 @@ class StylizationConfig(Config):
     def label_size(self) -> int:
         """How many numbers a label has in the networks: none in the unsupervised setting."""
         return len(self.styles) if self.supervised else 0
+
+    @property
+    def criticised(self) -> bool:
+        """Whether there is a critic of styles."""
+        return self.supervised and self.critic_weight > 0
 
     def checked(self) -> StylizationConfig:
         """Itself, once every number is in its range.

@@ -49,6 +49,7 @@ class Windows:
         counts = np.bincount(self.labels[self.labelled], minlength=len(config.styles))
         weight = counts[self.labels[self.labelled]] ** -0.5
         self._chance = weight / weight.sum() if len(weight) else weight
+        self._of_style = {label: np.flatnonzero(self.labels == label) for label in np.unique(self.labels)}
 
     def __len__(self) -> int:
         return len(self.lengths)
@@ -59,7 +60,11 @@ class Windows:
         return self._windows(picks, rng)[share.rows].to(share.device)
 
     def pairs(self, rng: np.random.Generator, share: Share = ALONE) -> tuple[Tensor, Tensor, Tensor]:
-        """Two windows (B, T, D) each of labelled clips, and their labels (B, S) one-hot.
+        """Two windows (B, T, D) each in one style, and their labels (B, S) one-hot.
+
+        The thesis cuts both out of one long recording, in which a performer does many things in one manner. Clips here
+        hold a single thing each, so the second window is of any clip of the same style: what both share, which is what
+        homo-style alignment lets into the style code, is then the manner and not the content.
 
         Raises:
             MotionloomError: no clip has a style.
@@ -68,7 +73,8 @@ class Windows:
             raise MotionloomError("no clip has one of the styles to be learned; choose corpora that do (bandai-namco).")
         size = 2 * (self.config.batch_size // 2)
         picks = self.labelled[rng.choice(len(self.labelled), size=size, p=self._chance)]
-        first, second = self._windows(picks, rng), self._windows(picks, rng)
+        others = np.array([rng.choice(self._of_style[self.labels[pick]]) for pick in picks])
+        first, second = self._windows(picks, rng), self._windows(others, rng)
         labels = torch.nn.functional.one_hot(torch.from_numpy(self.labels[picks]), len(self.config.styles)).float()
         # consecutive rows are exchanged with each other, so each process takes whole pairs
         rows = np.arange(size).reshape(-1, 2)[share.rank :: share.world].ravel()

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import torch
-from torch import Tensor
-from torch.nn.functional import smooth_l1_loss
+from torch import Tensor, nn
+from torch.func import functional_call
+from torch.nn.functional import cross_entropy, smooth_l1_loss
 
 from engines.stylization.config import StylizationConfig
 from engines.stylization.model import LAYOUT, Stylizer
@@ -112,12 +113,24 @@ def stylization(model: Stylizer, first: Tensor, second: Tensor, label: Tensor | 
         return smooth_l1_loss(code, target) + smooth_l1_loss(model.decode(code), motion)
 
     one, two, _, again = made.styles
-    return {
+    terms = {
         "reconstruction": apart(made.rebuilt[0], z1, first) + apart(made.rebuilt[1], z2, second),
         "cycle": config.cycle_weight * (apart(made.cycled[0], z2, second) + apart(made.cycled[1], z3, third)),
         "style_kl": config.kl_weight * sum((to_normal(g) for g in (one, two, again)), start=z1.new_zeros(())),
         "homo_style": config.hsa_weight * between(one, two),
     }
+    if model.critic is not None and label is not None:
+        terms |= criticised(model.critic, config.critic_weight, made, label)
+    return terms
+
+
+def criticised(critic: nn.Module, weight: float, made: Pass, label: Tensor) -> Terms:
+    """What the critic learns from real codes, and what it says, as it is, of transferred ones."""
+    z1, z2, _ = made.codes
+    learned = cross_entropy(critic(torch.cat([z1, z2])), torch.cat([label, label]))
+    fixed = {name: value.detach() for name, value in critic.named_parameters()}
+    said = functional_call(critic, fixed, (made.transferred,))
+    return {"critic": learned, "manner": weight * cross_entropy(said, swapped(label))}
 
 
 def to_normal(found: Gaussian) -> Tensor:

@@ -15,6 +15,7 @@ from engines.stylization.networks import (
     GlobalRegressor,
     MotionDecoder,
     MotionEncoder,
+    StyleCritic,
     StyleEncoder,
 )
 
@@ -41,6 +42,11 @@ class Stylizer(nn.Module):
         self.style = StyleEncoder((config.latent_size, *config.mid), config.style, config.label_size, config.style_size)
         self.generator = Generator(
             (config.content[-1], *config.generator), config.latent_size, config.style_size + config.label_size
+        )
+        self.critic = (
+            StyleCritic(config.latent_size, (*config.mid, *config.style), config.label_size)
+            if config.criticised
+            else None
         )
         self.regressor = GlobalRegressor((1 + LOCAL.stop - LOCAL.start, *config.regressor))
         self.register_buffer("mean", torch.zeros(D))

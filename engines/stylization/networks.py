@@ -116,6 +116,22 @@ class StyleEncoder(nn.Module):
         return Gaussian(*self.output(x.mean(-1, keepdim=True))[..., 0].chunk(2, dim=1))
 
 
+class StyleCritic(nn.Module):
+    """Motion code -> how much it is of each style; noise on codes keeps what it looks at broad."""
+
+    def __init__(self, latent: int, channels: Sequence[int], labels: int) -> None:
+        super().__init__()
+        self.down = nn.ModuleList(convolution(a, b, stride=2) for a, b in itertools.pairwise((latent, *channels)))
+        self.output = nn.Linear(channels[-1], labels)
+
+    def forward(self, code: Float[Tensor, "B Z L"]) -> Float[Tensor, "B S"]:
+        """Logits."""
+        x = nn.functional.dropout(code, 0.2, self.training)
+        for layer in self.down:
+            x = leaky(layer(x))
+        return self.output(x.mean(-1))
+
+
 class StyledLayer(nn.Module):
     """A convolution whose output gets mean and deviation from the style (adaptive instance normalisation)."""
 

@@ -24,7 +24,8 @@ from engines.training.run import CHECKPOINT, RunOptions, run
 Stage = Literal["autoencoder", "regressor", "style"]
 STAGES: tuple[Stage, ...] = ("autoencoder", "regressor", "style")
 _PARTS: Mapping[str, tuple[str, ...]] = {
-    "autoencoder": ("encoder", "decoder"), "regressor": ("regressor",), "style": ("content", "style", "generator"),
+    "autoencoder": ("encoder", "decoder"), "regressor": ("regressor",),
+    "style": ("content", "style", "generator", "critic"),
 }  # fmt: skip
 """Networks that a stage trains."""
 
@@ -110,9 +111,11 @@ def take(model: Stylizer, checkpoint: Path, parts: Sequence[str]) -> None:
 
 
 def export(state: TrainingState, path: Path, which: str | None = None) -> str:
-    """Write the weights (float16) of all networks and their config beside each other; returns their SHA-256."""
-    config = _model(state).config.replaced(extra={"step": state.step, "seconds": round(state.seconds)})
-    return weights_file.write(state.weights(which), config.to_json(), path)
+    """Write the weights (float16) of all networks but the critic, and their config; returns their SHA-256."""
+    config = _model(state).config
+    told = {"step": state.step, "seconds": round(state.seconds), "critic_weight": config.critic_weight}
+    weights = {name: value for name, value in state.weights(which).items() if not name.startswith("critic.")}
+    return weights_file.write(weights, config.replaced(critic_weight=0.0, extra=told).to_json(), path)
 
 
 def read(path: Path) -> Stylizer:

@@ -40,6 +40,23 @@ def test_all_stages_then_an_engine(tmp_path: Path, latent: str, supervised: bool
     assert torch.equal(state.averaged["encoder.output.weight"], before["encoder.output.weight"])
 
 
+def test_the_critic_learns_from_real_codes_only_and_does_not_ship(tmp_path: Path) -> None:
+    for stage in train.STAGES:
+        state = fit(tmp_path, stage, critic_weight=0.5)
+    train.export(state, tmp_path / "all.safetensors")
+    shipped = load(checkpoint=tmp_path / "all.safetensors").model.state_dict()
+    assert not any(name.startswith("critic") for name in shipped)
+    net, windows = model(critic_weight=0.5, batch_size=8), Windows(clips(), config(batch_size=8))
+    first, second, label = windows.pairs(np.random.default_rng(0))
+    assert net.critic is not None
+    made = losses.run(net, first, second, label, train._draws(net, 8, torch.Generator().manual_seed(0), Share(0, 1)))
+    said = losses.criticised(net.critic, 0.5, made, label)
+    critic, generator = next(net.critic.parameters()), next(net.generator.parameters())
+    for term, (learns, not_) in {"critic": (critic, generator), "manner": (generator, critic)}.items():
+        grown, none = torch.autograd.grad(said[term], [learns, not_], allow_unused=True, retain_graph=True)
+        assert grown.abs().max() > 0 and none is None
+
+
 def test_the_style_stage_needs_the_others(tmp_path: Path) -> None:
     with pytest.raises(CheckpointError, match="'autoencoder' first"):
         fit(tmp_path, "style")
@@ -68,6 +85,17 @@ def test_shares_of_pairs_make_the_whole() -> None:
     for i, value in enumerate(whole):
         assert torch.equal(value.unflatten(0, (-1, 2))[0::2].flatten(0, 1), parts[0][i])
         assert torch.equal(value.unflatten(0, (-1, 2))[1::2].flatten(0, 1), parts[1][i])
+
+
+def test_pairs_are_of_one_style_and_of_any_of_its_clips() -> None:
+    windows = Windows(clips(), config(batch_size=64))
+    owner = np.repeat(np.arange(len(windows)), windows.lengths)
+    windows.frames = torch.from_numpy(owner)[:, None].float()  # every frame says of which clip it is
+    first, second, label = (value.numpy() for value in windows.pairs(np.random.default_rng(0)))
+    one, other = first[:, 0, 0].astype(int), second[:, 0, 0].astype(int)
+    assert np.array_equal(windows.labels[one], label.argmax(1))
+    assert np.array_equal(windows.labels[other], label.argmax(1))
+    assert 0 < np.mean(one == other) < 0.9
 
 
 def test_windows_are_normalised_and_short_clips_go_back_and_forth() -> None:
