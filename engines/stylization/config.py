@@ -10,7 +10,8 @@ from engines.config import Config
 from engines.config import preset as named
 from engines.errors import OutOfRangeError, UnknownLabelError
 
-Latent = Literal["ae", "vae"]
+Latent = Literal["ae", "vae", "none"]
+LATENTS = ("ae", "vae", "none")
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,8 @@ class StylizationConfig(Config):
     """Sizes, loss weights and vocabulary. The defaults are the preset `paper` (thesis section 5.3)."""
 
     latent: Latent = "ae"
-    """The motion autoencoder: plain with L1 and smoothness on its codes, or variational with a light KL."""
+    """The motion autoencoder: plain with L1 and smoothness on its codes, or variational with a light KL; or none, and
+    features are stylised themselves (the thesis's ablation)."""
     supervised: bool = True
     """Whether style labels are told."""
     styles: tuple[str, ...] = ()
@@ -41,6 +43,7 @@ class StylizationConfig(Config):
     style_size: int = 512
     generator: tuple[int, ...] = (768, 1024, 768)
     regressor: tuple[int, ...] = (512, 256, 128)
+    """Of the global motion regressor; without any, the root travels as the content's does."""
 
     batch_size: int = 64
     """Of the autoencoder and the regressor; the style model has as many pairs."""
@@ -85,13 +88,13 @@ class StylizationConfig(Config):
             OutOfRangeError: one is not.
             UnknownLabelError: no such latent space.
         """
-        if self.latent not in {"ae", "vae"}:
-            raise UnknownLabelError("latent space", self.latent, ("ae", "vae"))
+        if self.latent not in LATENTS:
+            raise UnknownLabelError("latent space", self.latent, LATENTS)
         if self.window < 16 or self.window % 4:
             raise OutOfRangeError("window", self.window, "a multiple of 4, 16 frames or more")
         for name in ("encoder", "decoder", "mid", "content", "style", "generator", "regressor"):
             sizes = getattr(self, name)
-            if not sizes or min(sizes) < 1:
+            if min(sizes, default=1) < 1 or not (sizes or name == "regressor"):
                 raise OutOfRangeError(name, sizes, "one or more sizes, each 1 or more")
         if self.batch_size < 1:
             raise OutOfRangeError("batch_size", self.batch_size, "1 or more")

@@ -189,12 +189,9 @@ class StylizationEngine:
         model, given = self.model, self._normal(features)
         styled = model.generate(model.content(codes), told, label)
         made = given + model.decode(codes + strength * (styled - codes)) - model.decode(codes)
-        turning = given[..., LAYOUT["yaw_velocity"]].expand(len(made), -1, -1)
-        travel = (
-            given[..., LAYOUT["root_velocity"]]
-            + model.travel(made, turning)
-            - model.travel(given.expand_as(made), turning)
-        )
+        given = given.expand_as(made)
+        turning = given[..., LAYOUT["yaw_velocity"]]
+        travel = given[..., LAYOUT["root_velocity"]] + model.travel(made, given) - model.travel(given, given)
         rest = made[..., LAYOUT["root_height"].start :]
         whole = torch.cat([turning, travel, rest], dim=-1) * model.std + model.mean
         return whole[:, : len(features)].numpy()

@@ -15,6 +15,8 @@ from engines.stylization.networks import (
     GlobalRegressor,
     MotionDecoder,
     MotionEncoder,
+    SameCode,
+    SameMotion,
     StyleCritic,
     StyleEncoder,
 )
@@ -36,26 +38,27 @@ class Stylizer(nn.Module):
     def __init__(self, config: StylizationConfig) -> None:
         super().__init__()
         self.config = config
-        self.encoder = MotionEncoder((SEEN, *config.encoder), config.latent_size, config.latent == "vae")
-        self.decoder = MotionDecoder(config.latent_size, config.decoder, D)
-        self.content = ContentEncoder((config.latent_size, *config.mid), config.content)
-        self.style = StyleEncoder((config.latent_size, *config.mid), config.style, config.label_size, config.style_size)
-        self.generator = Generator(
-            (config.content[-1], *config.generator), config.latent_size, config.style_size + config.label_size
-        )
-        self.critic = (
-            StyleCritic(config.latent_size, (*config.mid, *config.style), config.label_size)
-            if config.criticised
-            else None
-        )
-        self.regressor = GlobalRegressor((1 + LOCAL.stop - LOCAL.start, *config.regressor))
+        if config.latent == "none":
+            size = SEEN
+            self.encoder, self.decoder = SameCode(), SameMotion(D - SEEN)
+        else:
+            size = config.latent_size
+            self.encoder = MotionEncoder((SEEN, *config.encoder), size, config.latent == "vae")
+            self.decoder = MotionDecoder(size, config.decoder, D)
+        self.content = ContentEncoder((size, *config.mid), config.content)
+        self.style = StyleEncoder((size, *config.mid), config.style, config.label_size, config.style_size)
+        self.generator = Generator((config.content[-1], *config.generator), size, config.style_size + config.label_size)
+        looks = (*config.mid, *config.style)
+        self.critic = StyleCritic(size, looks, config.label_size) if config.criticised else None
+        local = (1 + LOCAL.stop - LOCAL.start, *config.regressor)
+        self.regressor = GlobalRegressor(local) if config.regressor else None
         self.register_buffer("mean", torch.zeros(D))
         self.register_buffer("std", torch.ones(D))
 
     def encode(self, motion: Float[Tensor, "B T D"], noise: Tensor | None = None) -> Float[Tensor, "B Z L"]:
         """Motion codes of normalised features; noise (B, Z, L) draws from the variational one, none takes its mean."""
         code = self.encoder(motion.mT[:, :SEEN])
-        return code.mean if noise is None or not self.encoder.variational else code.sample(noise)
+        return code.mean if noise is None or self.config.latent != "vae" else code.sample(noise)
 
     def decode(self, code: Float[Tensor, "B Z L"]) -> Float[Tensor, "B T D"]:
         """Normalised features of motion codes."""
@@ -72,12 +75,15 @@ class Stylizer(nn.Module):
         told = torch.cat([style, label], dim=1) if self.config.supervised and label is not None else style
         return self.generator(content, told)
 
-    def travel(self, motion: Float[Tensor, "B T D"], turning: Float[Tensor, "B T 1"]) -> Float[Tensor, "B T 2"]:
-        """Root velocity that fits local movement (normalised features) and a yaw velocity."""
-        return self.regressor(torch.cat([turning, motion[..., LOCAL]], dim=-1).mT).mT
+    def travel(self, motion: Float[Tensor, "B T D"], content: Float[Tensor, "B T D"]) -> Float[Tensor, "B T 2"]:
+        """Root velocity that fits local movement and the content's turning; without a regressor the content's own."""
+        if self.regressor is None:
+            return content[..., LAYOUT["root_velocity"]]
+        return self.regressor(torch.cat([content[..., LAYOUT["yaw_velocity"]], motion[..., LOCAL]], dim=-1).mT).mT
 
     def assembled(self, content: Float[Tensor, "B T D"], code: Float[Tensor, "B Z L"]) -> Float[Tensor, "B T D"]:
         """Features of a stylised code: local movement of the code, turning of the content, travel that fits both."""
         made = self.decode(code)
-        turning = content[:, : made.shape[1], LAYOUT["yaw_velocity"]]
-        return torch.cat([turning, self.travel(made, turning), made[..., LAYOUT["root_height"].start :]], dim=-1)
+        content = content[:, : made.shape[1]]
+        rest = made[..., LAYOUT["root_height"].start :]
+        return torch.cat([content[..., LAYOUT["yaw_velocity"]], self.travel(made, content), rest], dim=-1)

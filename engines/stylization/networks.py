@@ -77,6 +77,26 @@ class MotionDecoder(nn.Module):
         return self.output(x)
 
 
+class SameCode(nn.Module):
+    """No encoder: features without contacts are their own code."""
+
+    def forward(self, motion: Float[Tensor, "B D T"]) -> Gaussian:
+        """As they are, without spread."""
+        return Gaussian(motion, torch.full_like(motion, -torch.inf))
+
+
+class SameMotion(nn.Module):
+    """No decoder: a code is its own features, contacts unknown."""
+
+    def __init__(self, contacts: int) -> None:
+        super().__init__()
+        self.contacts = contacts
+
+    def forward(self, code: Float[Tensor, "B Z L"]) -> Float[Tensor, "B D L"]:
+        """As it is, contacts at their mean."""
+        return nn.functional.pad(code, (0, 0, 0, self.contacts))
+
+
 class ContentEncoder(nn.Module):
     """E_c: motion code -> content code; instance norms take away what is the same over the whole clip (the style)."""
 

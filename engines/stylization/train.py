@@ -36,6 +36,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but three optional
     folder: Path,
     clips: Sequence[datasets.Clip] | None = None,
     *,
+    base: Path | None = None,
     validation: Sequence[datasets.Clip] | None = None,
     seed: int = 0,
     corpora: Sequence[str] | None = None,
@@ -49,6 +50,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but three optional
         config: a preset; its `styles` are found in the clips if it names none.
         stage: one of `STAGES`.
         folder: of all stages.
+        base: the folder of the stages before this one, where it is another.
         clips: the training split of the prepared data by default.
         validation: clips held back.
         seed: of the first weights and of everything drawn.
@@ -58,7 +60,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but three optional
         options: how the run goes.
 
     Raises:
-        UnknownLabelError: no such stage.
+        UnknownLabelError: no such stage, or nothing to train in it (the autoencoder of latent="none").
         CheckpointError: a stage before this one is missing.
     """
     if stage not in STAGES:
@@ -72,11 +74,15 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but three optional
     model = Stylizer(config)
     model.mean.copy_(torch.from_numpy(np.array(windows.statistics.mean)))
     model.std.copy_(torch.from_numpy(np.array(windows.statistics.std)))
+    parameters = _parameters(model, stage)
+    if not parameters:
+        raise UnknownLabelError("stage of these settings", stage, [s for s in STAGES if _parameters(model, s)])
     if stage == "style":
         for before in STAGES[:2]:
-            take(model, folder / before / CHECKPOINT, _PARTS[before])
+            if any(name.split(".")[0] in _PARTS[before] for name, _ in model.named_parameters()):
+                take(model, (base or folder) / before / CHECKPOINT, _PARTS[before])
     state = TrainingState(
-        model, _plan(config, stage, seed, plan or {}), groups=[{"params": _parameters(model, stage)}],
+        model, _plan(config, stage, seed, plan or {}), groups=[{"params": parameters}],
         identity={"engine": "stylization", "stage": stage, "latent": config.latent, "styles": styles},
     )  # fmt: skip
     fabric = launch(device, state.plan.precision)

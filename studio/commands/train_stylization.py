@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -45,6 +46,9 @@ def stylization(  # noqa: PLR0913, PLR0917 (one parameter an option)
     supervised: Annotated[
         bool | None, typer.Option("--supervised/--unsupervised", help="Whether style labels are told; they are.")
     ] = None,
+    base: Annotated[
+        Path | None, typer.Option("--from", metavar="DIR", help="Run with the stages before this one, if another.")
+    ] = None,
     data: DataOption = None,
     steps: StepsOption = None,
     changes: SetOption = None,
@@ -65,9 +69,9 @@ def stylization(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom train stylization --stage style --run runs/ae --export stylization-ae.safetensors
 
-    motionloom train stylization --stage style --unsupervised --run runs/ae-u
+    motionloom train stylization --stage style --unsupervised --run runs/ae-u --from runs/ae
 
-    The autoencoder and the regressor do not see labels: copy their folders to share them between both settings. Use
+    The autoencoder and the regressor do not see labels: both settings share them (--from). Use
     the weights with engines.load("stylization", checkpoint="stylization-ae.safetensors").
     """
     check_options(steps, threads, export, which)
@@ -94,6 +98,7 @@ def stylization(  # noqa: PLR0913, PLR0917 (one parameter an option)
             chosen,
             stage,  # pyright: ignore[reportArgumentType] (checked above)
             run,
+            base=base,
             seed=seed,
             corpora=corpora_asked,
             plan=plan,

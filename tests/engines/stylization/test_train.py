@@ -64,6 +64,27 @@ def test_the_style_stage_needs_the_others(tmp_path: Path) -> None:
         fit(tmp_path, "regresor")
 
 
+def test_ablations_without_latent_and_without_regressor(tmp_path: Path) -> None:
+    with pytest.raises(UnknownLabelError, match="2 known"):
+        fit(tmp_path / "none", "autoencoder", latent="none")
+    fit(tmp_path / "none", "regressor", latent="none")
+    for folder, changes in {"none": {"latent": "none"}, "still": {"latent": "none", "regressor": ()}}.items():
+        state = fit(tmp_path / folder, "style", **changes)
+        train.export(state, tmp_path / f"{folder}.safetensors")
+        engine = load(checkpoint=tmp_path / f"{folder}.safetensors")
+        motion = clips()[3].motion.resample(30)
+        made = engine.stylise(motion, "old")[0]
+        assert np.allclose(made.translation[:, [0, 2]], motion.translation[:, [0, 2]], atol=1e-3) == (folder == "still")
+
+
+def test_a_style_stage_on_the_stages_of_another_run(tmp_path: Path) -> None:
+    for stage in train.STAGES[:2]:
+        fit(tmp_path / "one", stage)
+    state = train.fit(config(supervised=False), "style", tmp_path / "two", clips(), base=tmp_path / "one", plan=PLAN)
+    before = torch.load(tmp_path / "one" / "regressor" / "checkpoint.pt", weights_only=True)["averaged"]
+    assert torch.equal(state.averaged["regressor.output.weight"], before["regressor.output.weight"])
+
+
 def test_a_stage_that_was_stopped_goes_on_as_if_it_had_not_been(tmp_path: Path) -> None:
     whole = fit(tmp_path / "whole", "autoencoder", latent="vae")
     asked: list[int] = []
