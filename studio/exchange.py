@@ -6,6 +6,7 @@ import os
 import shutil
 import tempfile
 import uuid
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from studio import downloads, tasks
 from studio.jobs import Cancel, Job, Progress
 from studio.library.library import UNTITLED
 from studio.settings import Settings, ending
+from studio.takes import Take
 from studio.wording import duration
 
 if TYPE_CHECKING:
@@ -46,8 +48,14 @@ class Exchange:
 
     # ---- in -----------------------------------------------------------------------------------------------
 
-    def receive(self, key: str, name: str, start: int, size: int, piece: bytes) -> None:
-        """One piece of a file on its way in; with the last one it is imported. Pieces out of order are refused."""
+    def receive(self, message: Mapping[str, Any], then: Callable[[Take], None] | None = None) -> None:
+        """One piece of a file on its way in; with the last one it is imported. Pieces out of order are refused.
+
+        Args:
+            message: id and name of the file, its size in bytes, where the piece starts, and its `data`.
+            then: as for `import_file`.
+        """
+        key, name, start, size, piece = (message[part] for part in ("id", "name", "start", "size", "data"))
         held = self._arriving.setdefault(key, bytearray()) if start == 0 else self._arriving.get(key)
         if held is None or start != len(held) or size > UPLOAD_LIMIT or start + len(piece) > size:
             self._arriving.pop(key, None)
@@ -57,10 +65,13 @@ class Exchange:
         held += piece
         if len(held) == size:
             del self._arriving[key]
-            self.import_file(Path(name).name, bytes(held))
+            self.import_file(Path(name).name, bytes(held), then)
 
-    def import_file(self, name: str, data: bytes) -> None:
-        """Read a motion file a person dropped; what is wrong with it is said in `state.import_error`."""
+    def import_file(self, name: str, data: bytes, then: Callable[[Take], None] | None = None) -> None:
+        """Read a motion file a person dropped; what is wrong with it is said in `state.import_error`.
+
+        `then` hears of the take it became, which is not picked in that case.
+        """
         state = self.session.state
         state.param.update(import_error="", import_status=f"Reading {name}…")
 
@@ -77,7 +88,9 @@ class Exchange:
                 held, metrics = job.result
                 made = takes.add([held], group=uuid.uuid4().hex, source=name, metrics=[metrics])
                 state.import_status = f"Imported {name}: {made[0].frames:,} frames, {duration(made[0].duration)}."
-                self.session.shelve(made, takes)
+                self.session.shelve(made, takes, pick=then is None)
+                if then is not None and takes is self.session.takes:
+                    then(made[0])
 
         self.session.submit(f"import {name}", read, show, lane="file")
 

@@ -1,22 +1,24 @@
-"""A map of an action: many draws of it as points, like beside like, and what lies between them.
+"""A map: many draws as points, like beside like, and what lies between them.
 
-Engines go from one draw to another, so a place on the map stands on the line between two draws near it.
+Engines go from one draw to another, so a place on the map stands on the line between two draws near it. `Mapping` is of
+an action; `studio.styling` has that of a take's styles.
 """
 
 from __future__ import annotations
 
 import random
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import param
 from jaxtyping import Float
 
 from engines import Motion
+from engines.errors import Cancelled
 from studio import tasks, thumbnails, variations
 from studio.jobs import Cancel, Job, Progress
 from studio.settings import BLEND_STEPS, MAX_SEED, GenerateSettings
@@ -52,7 +54,8 @@ class Place:
 class MapState(param.Parameterized):
     """What a view shows of the map."""
 
-    action = param.String("", doc="The action it is of; empty: none is drawn yet.")
+    subject = param.String("", doc="What it is of; empty: none is drawn yet.")
+    names = param.List([], doc="What each draw is called.")
     points = param.List([], doc="[x, y] of each draw, 0 to 1, y upwards.")
     pictures = param.List([], doc="A picture of each as a data URI; empty until it is drawn.")
     at = param.Parameter((), doc="(x, y) of the place chosen; empty: none.")
@@ -65,14 +68,13 @@ class MapState(param.Parameterized):
 
 
 class Plane:
-    """The two directions in which motions differ most, with the map's edges.
+    """The two directions in which draws differ most, with the map's edges.
 
     Args:
-        motions: of one length; two or more.
+        rows: (N, D) what they are compared by, as `Mapping.seen` gives it; two or more.
     """
 
-    def __init__(self, motions: Sequence[Motion]) -> None:
-        rows = np.stack([_seen(motion) for motion in motions])
+    def __init__(self, rows: Float[np.ndarray, "N D"]) -> None:
         self._middle = rows.mean(axis=0)
         directions = np.linalg.svd(rows - self._middle, full_matrices=False)[2][:2]
         # towards the side where the largest weight is positive, so that the same draws give one map
@@ -81,16 +83,10 @@ class Plane:
         flat = (rows - self._middle) @ self._directions.T
         self._low, self._size = flat.min(axis=0), np.maximum(np.ptp(flat, axis=0), 1e-6)
 
-    def places(self, motions: Sequence[Motion]) -> Float[np.ndarray, "N 2"]:
-        """(N, 2) places of motions of that length, 0 to 1 within the map."""
-        flat = (np.stack([_seen(motion) for motion in motions]) - self._middle) @ self._directions.T
+    def places(self, rows: Float[np.ndarray, "N D"]) -> Float[np.ndarray, "N 2"]:
+        """(N, 2) places of others seen likewise, 0 to 1 within the map."""
+        flat = (rows - self._middle) @ self._directions.T
         return MARGIN + (flat - self._low) / self._size * (1 - 2 * MARGIN)
-
-
-def _seen(motion: Motion) -> np.ndarray:
-    """Joint positions over time in a row, metres: what motions are compared by."""
-    frames = np.round(np.linspace(0, len(motion) - 1, _POSES)).astype(int)
-    return motion.positions[frames].ravel()
 
 
 def stands_for(points: Float[np.ndarray, "N 2"], at: Sequence[float]) -> Place:
@@ -119,12 +115,21 @@ def stands_for(points: Float[np.ndarray, "N 2"], at: Sequence[float]) -> Place:
     return place
 
 
+def poses(motions: Sequence[Motion]) -> Float[np.ndarray, "N D"]:
+    """(N, D) joint positions over time in a row each, metres."""
+    frames = [np.round(np.linspace(0, len(motion) - 1, _POSES)).astype(int) for motion in motions]
+    return np.stack([motion.positions[own].ravel() for motion, own in zip(motions, frames, strict=True)])
+
+
 class Mapping:
-    """The map of one session.
+    """The map of an action, of one session.
 
     Args:
         session: whose takes are made of it; it shows what is chosen in the state's `preview`.
     """
+
+    tab = "vary"
+    """Tab of the left panel that has it."""
 
     def __init__(self, session: Session) -> None:
         self.session = session
@@ -135,14 +140,15 @@ class Mapping:
         self._plane: Plane | None = None
         self._points = np.zeros((0, 2))
         self._place: Place | None = None
-        self._between: OrderedDict[tuple[int, int], list[Motion]] = OrderedDict()
+        self._between: OrderedDict[tuple[int, int], tuple[list[Motion], np.ndarray]] = OrderedDict()
+        """What lies between two draws, and how it is seen."""
         self._working = False
         self._jobs: list[Job] = []
 
     # ---- the draws ----------------------------------------------------------------------------------------
 
     def draw(self) -> None:
-        """Draw the chosen action many times and put the draws on the map."""
+        """Make many draws and put them on the map."""
         state, session = self.state, self.session
         if state.busy:
             return
@@ -151,18 +157,22 @@ class Mapping:
         if problem:
             state.error = problem
             return
-        settings = session.state.generate_settings()
         # another map of the same is of other draws, unless the seed is held
         same = not self._motions or session.state.seed_locked
-        asked = _draws(settings, session.state.action, settings.seed if same else random.randrange(10_000))
+        subject = self.subject()
+        request = self.request(session.state.seed if same else random.randrange(10_000))
         state.param.update(busy=True, progress=0.0, error="", words="")
 
-        def work(progress: Progress, cancel: Cancel) -> tuple[list[Motion], Plane]:
-            made: list[Motion] = []
+        def work(progress: Progress, cancel: Cancel) -> tuple[list[GenerateSettings], list[Motion], np.ndarray]:
+            asked, made = request(), []
+            count = sum(settings.count for settings in asked)
             for settings in asked:
+                if cancel():
+                    raise Cancelled("the map was cancelled")
                 before = len(made)
-                made += tasks.generate(settings, lambda done, _all, b=before: progress(b + done, DRAWS), cancel)
-            return made, Plane(made)
+                made += tasks.generate(settings, lambda done, _all, b=before: progress(b + done, count), cancel)
+                progress(len(made), count)
+            return asked, made, self.seen(made, asked[0])
 
         def show(job: Job) -> None:
             state.progress = job.fraction
@@ -172,9 +182,9 @@ class Mapping:
             if job.status == "failed":
                 state.error = job.error
             elif job.status == "done":
-                self._lay_out(asked, *job.result)
+                self._lay_out(subject, *job.result)
 
-        self._jobs = [session.submit(f"map of {asked[0].action}", work, show)]
+        self._jobs = [session.submit(f"map of {subject}", work, show)]
 
     def cancel(self) -> None:
         """Stop drawing the map, and its pictures."""
@@ -192,13 +202,39 @@ class Mapping:
             return "Choose an action that this engine knows."
         return ""
 
-    def _lay_out(self, asked: list[GenerateSettings], motions: list[Motion], plane: Plane) -> None:
+    def subject(self) -> str:
+        """What a map would be of."""
+        return " ".join(self.session.state.action.lower().split())
+
+    def request(self, seed: int) -> Callable[[], list[GenerateSettings]]:
+        """What makes up the settings of the draws, off the page's thread: here the action with two seeds."""
+        settings, action = self.session.state.generate_settings(), self.subject()
+        plain = replace(
+            GenerateSettings(engine=settings.engine, action=action), variant=settings.variant, frames=settings.frames,
+            style=settings.style, guidance=settings.guidance, bone_scale=settings.bone_scale, count=DRAWS // 2,
+        )  # fmt: skip
+        return lambda: [replace(plain, seed=seed), replace(plain, seed=(seed + 1) % MAX_SEED)]
+
+    def seen(self, motions: Sequence[Motion], asked: GenerateSettings) -> Float[np.ndarray, "N D"]:
+        """(N, D) what draws are compared by; called off the page's thread."""
+        return poses(motions)
+
+    def called(self, index: int) -> str:
+        """What a draw is called."""
+        return f"draw {index + 1}"
+
+    def beside(self) -> tuple[tuple[str, Motion], ...]:
+        """What is shown beside the place chosen."""
+        return ()
+
+    def _lay_out(self, subject: str, asked: list[GenerateSettings], motions: list[Motion], rows: np.ndarray) -> None:
         self._asked = [replace(each, take=take) for each in asked for take in range(1, each.count + 1)]
-        self._motions, self._plane = motions, plane
-        self._points, self._place = plane.places(motions), None
+        self._motions, self._plane = motions, Plane(rows)
+        self._points, self._place = self._plane.places(rows), None
         self._between.clear()
+        names = [self.called(index) for index in range(len(motions))]
         self.state.param.update(
-            action=asked[0].action, points=self._points.round(4).tolist(), pictures=[""] * len(motions), at=(),
+            subject=subject, names=names, points=self._points.round(4).tolist(), pictures=[""] * len(motions), at=(),
             ends=[], line=[], words="",
         )  # fmt: skip
         self._draw_pictures(motions)
@@ -229,7 +265,7 @@ class Mapping:
         place = stands_for(self._points, at)
         self._place = place
         ends = [place.first] if place.first == place.second else [place.first, place.second]
-        self.state.words = _words(place)
+        self.state.words = self._words(place)
         self._show()
         self.state.param.update(at=at, ends=ends, line=self._line(place))
         self._work_out()
@@ -247,7 +283,14 @@ class Mapping:
         if place.first == place.second:
             return first
         second = self._asked[place.second]
-        return replace(first, blend={"seed": second.seed, "take": second.take or 1, "share": place.share})
+        blend: dict[str, Any] = {"seed": second.seed, "take": second.take or 1, "share": place.share}
+        return replace(first, blend=blend | ({"style": second.style} if second.given else {}))
+
+    def _words(self, place: Place) -> str:
+        first, second = self.called(place.first), self.called(place.second)
+        if place.first == place.second:
+            return first[:1].upper() + first[1:]
+        return f"{100 * place.share:.0f} % from {first} to {second.removeprefix('draw ')}"
 
     def _shown(self) -> Motion | None:
         """The motion at the place chosen; None while it is worked out."""
@@ -257,23 +300,23 @@ class Mapping:
         if place.first == place.second:
             return self._motions[place.first]
         between = self._between.get((place.first, place.second))
-        return None if between is None else between[round(place.share * (BLEND_STEPS - 1))]
+        return None if between is None else between[0][round(place.share * (BLEND_STEPS - 1))]
 
     def _show(self) -> None:
         """Show it; until it is worked out, the end that is nearer."""
         state, place = self.session.state, self._place
-        if place is None or state.compose_tab != "vary":
+        if place is None or state.compose_tab != self.tab:
             return
         motion = self._shown()
         nearer = self._motions[place.first if place.share <= 0.5 else place.second]
-        state.preview = ((self.state.words, nearer if motion is None else motion),)
+        state.preview = (*self.beside(), (self.state.words, nearer if motion is None else motion))
 
     def _line(self, place: Place) -> list[list[float]]:
         """Where what lies between two draws would be on the map itself."""
         between = self._between.get((place.first, place.second))
         if between is None or self._plane is None:
             return []
-        return self._plane.places(between).round(4).tolist()
+        return self._plane.places(between[1]).round(4).tolist()
 
     def _work_out(self) -> None:
         """Have the engine make what lies between, one pair at a time: the latest that was asked for."""
@@ -283,8 +326,9 @@ class Mapping:
         pair, asked, motions = (place.first, place.second), self._settings(place), self._motions
         self._working = True
 
-        def work(_progress: Progress, _cancel: Cancel) -> list[Motion]:
-            return variations.between(asked, tasks.load_engine(asked.engine, asked.variant))
+        def work(_progress: Progress, _cancel: Cancel) -> tuple[list[Motion], np.ndarray]:
+            made = variations.between(asked, tasks.load_engine(asked.engine, asked.variant))
+            return made, self.seen(made, asked)
 
         def show(job: Job) -> None:
             if not job.finished:
@@ -303,19 +347,3 @@ class Mapping:
                 self._work_out()
 
         self.session.submit("between two draws", work, show)
-
-
-def _draws(settings: GenerateSettings, action: str, seed: int) -> list[GenerateSettings]:
-    """What is drawn for a map: the action as it is asked, with two seeds."""
-    plain = replace(
-        GenerateSettings(engine=settings.engine, action=" ".join(action.lower().split())), variant=settings.variant,
-        frames=settings.frames, style=settings.style, guidance=settings.guidance, bone_scale=settings.bone_scale,
-        count=DRAWS // 2,
-    )  # fmt: skip
-    return [replace(plain, seed=seed), replace(plain, seed=(seed + 1) % MAX_SEED)]
-
-
-def _words(place: Place) -> str:
-    if place.first == place.second:
-        return f"Draw {place.first + 1}"
-    return f"{100 * place.share:.0f} % from draw {place.first + 1} to {place.second + 1}"

@@ -27,6 +27,7 @@ from studio.pinning import Pinning
 from studio.projects import Projects
 from studio.settings import GenerateSettings
 from studio.state import StudioState
+from studio.styling import Styling
 from studio.takes import Take, TakeList, TakeStore
 from studio.varying import Varying
 from studio.wording import counted
@@ -67,6 +68,7 @@ class Session:
         self.pins = Pinning(self)
         self.editing = Editing(self)
         self.varying = Varying(self)
+        self.styling = Styling(self)
         self.dressing = Dressing(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
@@ -151,7 +153,7 @@ class Session:
         made = take.settings
         if made.blend:
             return
-        if made.then or (made.constraints and "constraints" not in self.state.capabilities):
+        if made.then or made.given or (made.constraints and "constraints" not in self.state.capabilities):
             self.ask(replace(made, seed=random.randrange(10_000), take=None))
             return
         self.restore(take.id)
@@ -186,16 +188,21 @@ class Session:
         else:
             drawn: draws.Drawn = job.result
             state.generate_rate = drawn.rate
-            made = takes.add(drawn.held, group=uuid.uuid4().hex, settings=drawn.asked, metrics=drawn.metrics)
+            made = takes.add(
+                drawn.held, group=uuid.uuid4().hex, settings=drawn.asked, metrics=drawn.metrics,
+                edits=self.styling.edits(drawn.asked),
+            )  # fmt: skip
             self.shelve(made, takes)
+            self.styling.beside(made)
             state.generate_note = drawn.note if takes is self.takes else ""
 
-    def shelve(self, made: list[Take], takes: TakeList) -> None:
-        """Show new takes and have their pictures drawn."""
+    def shelve(self, made: list[Take], takes: TakeList, pick: bool = True) -> None:
+        """Show new takes, unless told otherwise, and have their pictures drawn."""
         if takes is not self.takes:
             return
-        mode = "all" if self.state.stage_mode == "compare" else self.state.stage_mode
-        self.state.param.update(selected=made[0].id, stage_mode=mode)
+        if pick:
+            mode = "all" if self.state.stage_mode == "compare" else self.state.stage_mode
+            self.state.param.update(selected=made[0].id, stage_mode=mode)
         self._draw_pictures(made)
 
     def keep(self, motion: engines.Motion, settings: GenerateSettings, failed: Callable[[str], None]) -> None:
@@ -216,7 +223,10 @@ class Session:
                 failed(job.error)
             elif job.status == "done":
                 held, metrics = job.result
-                self.shelve(takes.add([held], group=uuid.uuid4().hex, settings=settings, metrics=[metrics]), takes)
+                edits = self.styling.edits(settings)
+                made = takes.add([held], group=uuid.uuid4().hex, settings=settings, metrics=[metrics], edits=edits)
+                self.shelve(made, takes)
+                self.styling.beside(made)
 
         self.submit("keep", work, show)
 

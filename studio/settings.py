@@ -6,7 +6,7 @@
                 "body": "anny", "shape": {"weight": 0.7}}}
 
 Every key is optional; a key or value that is not understood is refused with the nearest one that is. What is pinned
-(`constraints`) is described in `studio.pinned`.
+(`constraints`) is described in `studio.pinned`, whole motions (`given`, `like`) in `studio.given`.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from typing import Any
 
 import engines
 from engines.errors import FormatError, MotionloomError, OutOfRangeError, UnknownLabelError
+from studio.given import Given
 from studio.pinned import NOTHING, Pinned
 
 VERSION = 1
@@ -34,6 +35,7 @@ MAX_GUIDANCE = 10.0
 MAX_BEST_OF = 16
 MAX_PROMPT = 1000
 MAX_THEN = 32
+MAX_STRENGTH = 1.5
 BLEND_STEPS = 21
 """So many motions from one end of a blend to the other, both included."""
 VIDEO_FORMATS = ("mp4", "gif", "webm")
@@ -86,14 +88,34 @@ class GenerateSettings:
     """What is pinned: poses and frames to keep, a path, joints, a loop."""
     then: tuple[tuple[str, int], ...] = ()
     """What follows the action, in the same motion: (action, frames), ...; draw i has the seed `seed` + i."""
-    blend: Mapping[str, float] = field(default_factory=dict)
+    blend: Mapping[str, Any] = field(default_factory=dict)
     """On the way to another draw, `{"seed": 9, "take": 1, "share": 0.35}`: its seed, which of that draw, and how far
-    (0 to 1, in steps of 0.05). `take` says where it begins."""
+    (0 to 1, in steps of 0.05). `take` says where it begins. Of a motion given, its `style` besides."""
+    given: Given | None = None
+    """A motion that is put in another manner: in a style, like another motion, or, where neither is said, by chance.
+    `action` and `prompt` then say what it shows."""
+    like: Given | None = None
+    """The motion whose manner it takes."""
+    strength: float = 1.0
+    """How much of the manner: 0 leaves the motion as it is, 1 is as it was learned, up to 1.5."""
+    tempo: bool = False
+    """Whether it also becomes as fast as the style is."""
 
     @property
     def subject(self) -> str:
         """What the motion shows, in a line."""
-        return self.action or self.prompt or "motion"
+        shown = self.action or self.prompt
+        if self.given is None:
+            return shown or "motion"
+        return f"{shown or self.given.source or 'motion'}, {self.manner}"
+
+    @property
+    def manner(self) -> str:
+        """In which manner a given motion is put, in words: "old", "as in take 3"."""
+        to = self.blend.get("style", "")
+        if self.like is not None:
+            return f"as in {self.like.source or 'another motion'}"
+        return f"{self.style} to {to}" if to not in ("", self.style) else self.style or "a surprise"
 
     def __post_init__(self) -> None:
         _within("guidance", self.guidance, 0.0, MAX_GUIDANCE)
@@ -107,6 +129,7 @@ class GenerateSettings:
             _within("take", self.take, 1, self.count)
         for joint, factor in self.bone_scale.items():
             _within(f"bone_scale[{joint!r}]", factor, 0.5, 2.0)
+        _within("strength", self.strength, 0.0, MAX_STRENGTH)
         self._check_then()
         self._check_blend()
 
@@ -124,7 +147,7 @@ class GenerateSettings:
     def _check_blend(self) -> None:
         if not self.blend:
             return
-        if set(self.blend) != {"seed", "take", "share"}:
+        if set(self.blend) - ({"style"} if self.given else set()) != {"seed", "take", "share"}:
             raise OutOfRangeError("blend", dict(self.blend), '{"seed": 9, "take": 1, "share": 0.35}')
         _within("seed of the blend", self.blend["seed"], 0, MAX_SEED)
         _within("take of the blend", self.blend["take"], 1, MAX_COUNT)
@@ -210,6 +233,7 @@ class Settings:
         generate = {f.name: getattr(own, f.name) for f in fields(own)}
         generate |= {"bone_scale": dict(own.bone_scale), "constraints": own.constraints.to_json()}
         generate |= {"then": [list(part) for part in own.then], "blend": dict(own.blend)}
+        generate |= {name: motion and motion.to_json() for name, motion in (("given", own.given), ("like", own.like))}
         export = {f.name: getattr(self.export, f.name) for f in fields(self.export)}
         export |= {"formats": list(self.export.formats), "edits": list(self.export.edits)}
         export |= {"shape": dict(self.export.shape)}
@@ -291,11 +315,14 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
     "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
     "then": (list,), "blend": (dict,), "width": (int, type(None)), "height": (int, type(None)),
-    "fps": (int, float, type(None)), "body": (str,), "shape": (dict,),
+    "fps": (int, float, type(None)), "body": (str,), "shape": (dict,), "given": (dict, type(None)),
+    "like": (dict, type(None)), "strength": (int, float), "tempo": (bool,),
 }  # fmt: skip
 
 
-_READERS: dict[str, Any] = {"constraints": Pinned.from_json}
+_READERS: dict[str, Any] = {
+    "constraints": Pinned.from_json, "given": Given.from_json, "like": Given.from_json,
+}  # fmt: skip
 """Keys whose value is more than a JSON value."""
 
 
@@ -312,13 +339,15 @@ def _section(kind: type, tree: object, source: str | Path, name: str) -> Any:
 
 def _fits(key: str, value: Any) -> bool:
     """Has a value the type of its key (a boolean is no number here)."""
-    if isinstance(value, bool) or not isinstance(value, _TYPES[key]):
+    if not isinstance(value, _TYPES[key]) or (isinstance(value, bool) and bool not in _TYPES[key]):
         return False
     if key == "then":
         parts = [part for part in value if isinstance(part, list) and len(part) == 2]
         return len(parts) == len(value) and all(isinstance(a, str) and type(n) is int for a, n in parts)
     if key in ("bone_scale", "blend", "shape"):
-        return all(isinstance(v, int | float) and not isinstance(v, bool) for v in value.values())
+        named = key == "blend" and isinstance(value.get("style"), str)
+        numbers = [v for name, v in value.items() if not (named and name == "style")]
+        return all(isinstance(v, int | float) and not isinstance(v, bool) for v in numbers)
     return key not in ("formats", "edits") or all(isinstance(v, str) for v in value)
 
 

@@ -112,7 +112,7 @@ class StudioState(param.Parameterized):
 
     # ---- which panels are open ----
     compose_tab = param.Selector(
-        default="action", objects=["action", "text", "vary", "import"], doc="Tab of the left panel."
+        default="action", objects=["action", "text", "style", "vary", "import"], doc="Tab of the left panel."
     )
     inspector_tab = param.Selector(
         default="details", objects=["details", "body", "export"], doc="Tab of the inspector."

@@ -314,7 +314,7 @@ class TakeList:
 
     # ---- changing, one step each ----------------------------------------------------------------------------
 
-    def add(
+    def add(  # noqa: PLR0913 (a take's fields)
         self,
         motions: Iterable[Motion | Held],
         *,
@@ -322,6 +322,7 @@ class TakeList:
         settings: GenerateSettings | None = None,
         source: str = "",
         metrics: Iterable[Mapping[str, float]] = (),
+        edits: tuple[str, ...] = (),
     ) -> list[Take]:
         """Add the motions of one draw, or of one file, as one step. `settings` is that of the whole draw."""
         measured = list(metrics)
@@ -329,7 +330,7 @@ class TakeList:
         for place, motion in enumerate(motions):
             own = None if settings is None else replace(settings, take=settings.take or place + 1)
             values = measured[place] if place < len(measured) else {}
-            made.append(Take(self.store.next_number(), motion, group, own, source, values))
+            made.append(Take(self.store.next_number(), motion, group, own, source, values, edits=edits))
         if not made:
             raise OutOfRangeError("number of motions", 0, "1 or more")
         verb = "generate" if settings is not None else "import"

@@ -25,6 +25,9 @@ ASKED = {
     "guidance": ("guidance", "strength of guidance"),
     "best_of": ("best_of", "choice of the best of several"),
     "constraints": ("constraints", "pins (poses, frames, a path, joints, a loop)"),
+    "references": ("like", "motion whose manner to take"),
+    "stylise": ("strength", "strength of a style"),
+    "tempo": ("tempo", "tempo of a style"),
 }
 """Capability -> setting that needs it, and what that is in words."""
 _ALWAYS = ("guidance", "best_of")  # numbers that make the motion, whatever an engine's own defaults are
@@ -58,10 +61,18 @@ def generate(
         MotionloomError: something is asked that the engine cannot do, or that contradicts itself.
         Cancelled: `cancel()` said so.
     """
-    engine = load_engine(settings.engine, settings.variant)
-    if settings.then or settings.blend or variations.goes_on(settings, engine):
+    return generate_with(load_engine(settings.engine, settings.variant), settings, progress, cancel)
+
+
+def generate_with(
+    engine: Any, settings: GenerateSettings, progress: Progress | None = None, cancel: Cancel | None = None
+) -> list[Motion]:
+    """The same of an engine that is there; errors as `generate`."""
+    if settings.then or settings.blend or settings.given or variations.goes_on(settings, engine):
         motions = variations.make(settings, engine, progress, cancel)
         return motions if settings.take is None or settings.blend else [motions[settings.take - 1]]
+    if not hasattr(engine, "generate_many"):
+        raise MotionloomError(f"{engine.name} only changes motions; give it one, as `motionloom stylize` does.")
     extra = told(settings, engine)
     motions = engine.generate_many(
         settings.action or None,
@@ -103,6 +114,8 @@ def told(settings: GenerateSettings, engine: Any, without: Collection[str] = ())
         extra["bone_scale"] = dict(settings.bone_scale)
     if "constraints" in extra:
         extra["constraints"] = settings.constraints.to_engine(engine.fps)
+    if "like" in extra:
+        extra["like"] = settings.like and settings.like.motion
     return extra
 
 

@@ -1,11 +1,12 @@
-"""What engines make of takes: what lies between two, an action after another, other ways to go on.
+"""What engines make of takes: what lies between two, an action after another, other ways to go on, another manner.
 
-`tasks.generate` comes here for settings that have `then` or `blend`, or that keep the start of a motion where the
-engine knows that only as going on.
+`tasks.generate` comes here for settings that have `then`, `blend` or `given`, or that keep the start of a motion where
+the engine knows that only as going on.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from engines import Motion
@@ -25,7 +26,7 @@ def goes_on(settings: GenerateSettings, engine: Any) -> bool:
 def make(
     settings: GenerateSettings, engine: Any, progress: Progress | None = None, cancel: Cancel | None = None
 ) -> list[Motion]:
-    """The motions of settings with `then` or `blend`, or that go on from a start.
+    """The motions of settings with `then`, `blend` or `given`, or that go on from a start.
 
     Raises:
         MotionloomError: the engine cannot do that, or two such things are asked at once.
@@ -34,6 +35,8 @@ def make(
         raise MotionloomError("a blend and a sequence of actions cannot be asked at once.")
     if settings.blend:
         return [between(settings, engine)[settings.blend_step]]
+    if settings.given:
+        return _restyled(settings, engine)
     if settings.then:
         return _in_turn(settings, engine, progress, cancel)
     return _onwards(settings, engine)
@@ -45,6 +48,8 @@ def between(settings: GenerateSettings, engine: Any) -> list[Motion]:
     Raises:
         MotionloomError: the engine cannot blend, or something is pinned, or each is the best of several.
     """
+    if settings.given:
+        return _between_styles(settings, engine)
     _demand(engine, "interpolate", "go over from one draw to another")
     if settings.constraints:
         raise MotionloomError("what is pinned cannot be blended.")
@@ -82,6 +87,33 @@ def _onwards(settings: GenerateSettings, engine: Any) -> list[Motion]:
         seed=settings.seed, **told,
     )  # fmt: skip
     return _scaled(made, settings)
+
+
+def _restyled(settings: GenerateSettings, engine: Any) -> list[Motion]:
+    """The motion given, in another manner."""
+    from studio import tasks
+
+    _demand(engine, "stylise", "put a motion in another manner")
+    assert settings.given is not None
+    told = tasks.told(settings, engine, without=("prompt",))
+    made = engine.stylise(settings.given.motion, count=settings.count, seed=settings.seed, **told)
+    return [motion.replaced(provenance=replace(motion.provenance, prompt=settings.subject)) for motion in made]
+
+
+def _between_styles(settings: GenerateSettings, engine: Any) -> list[Motion]:
+    """The motion given, in all manners from that of one draw to that of another."""
+    _demand(engine, "stylise", "put a motion in another manner")
+    assert settings.given is not None
+    if settings.like or settings.tempo or settings.strength != 1.0:
+        raise MotionloomError("between two styles there is no other reference, strength or tempo.")
+    to = settings.blend
+    second = replace(settings, style=to.get("style", ""), seed=int(to["seed"]), take=int(to["take"]), blend={})
+    ends = [replace(settings, blend={}), second]
+    draws = [_restyled(end, engine)[(end.take or 1) - 1] for end in ends]
+    codes = [engine.style_code(draw) for draw in draws]
+    styles = [end.style for end in ends if end.style]
+    made = engine.interpolate_styles(settings.given.motion, *codes, steps=BLEND_STEPS, style=styles)
+    return [draws[0], *made[1:-1], draws[1]]
 
 
 def _told(settings: GenerateSettings, engine: Any) -> dict[str, Any]:

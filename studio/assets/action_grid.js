@@ -1,11 +1,11 @@
-// The actions an engine knows, on shelves; the picture of the one under the pointer or focus moves.
+// The actions, or the styles, that an engine knows, on shelves; the picture of the one under the pointer or focus moves.
 export function render(part) {
   const {model} = part
   let shelf = "all"
   let typed = ""
-  const shelves = h("div", {class: "shelves", role: "radiogroup", "aria-label": "Group of actions"})
-  const grid = h("div", {class: "grid", role: "listbox", "aria-label": "Actions this engine knows"})
-  const empty = h("p", {class: "hint none"}, "No action of that name.")
+  const shelves = h("div", {class: "shelves", role: "radiogroup", "aria-label": `Group of ${model.noun}s`})
+  const grid = h("div", {class: "grid", role: "listbox", "aria-label": `${model.noun[0].toUpperCase()}${model.noun.slice(1)}s this engine knows`})
+  const empty = h("p", {class: "hint none"}, `No ${model.noun} of that name.`)
   const title = h("h4")
   const cards = () => [...grid.children]
   const columns = () => getComputedStyle(grid).gridTemplateColumns.split(" ").length
@@ -16,9 +16,9 @@ export function render(part) {
   const draw = () => {
     const fits = ({name, group}) => typed ? typed.split(/\s+/).every((word) => name.includes(word)) : shelf === "all" || group === shelf
     const found = model.actions.filter(fits)
-    title.textContent = typed ? `${found.length} of ${model.actions.length} actions` : `${model.actions.length} actions this engine knows`
+    title.textContent = typed ? `${found.length} of ${model.actions.length} ${model.noun}s` : `${model.actions.length} ${model.noun}s this engine knows`
     const groups = ["all", ...new Set(model.actions.map(({group}) => group))]
-    shelves.hidden = Boolean(typed)
+    shelves.hidden = Boolean(typed) || groups.length < 3
     redraw(shelves, ...groups.map((group) => {
       const pick = () => { shelf = group; draw() }
       return h("button", {type: "button", role: "radio", "data-key": group, "aria-checked": String(group === shelf), tabindex: group === shelf ? "0" : "-1", onclick: pick}, group)
@@ -27,7 +27,8 @@ export function render(part) {
     redraw(grid, ...found.map((action) => card(model, action, action.name === current, () => { typed = ""; draw() })))
     empty.hidden = found.length > 0
   }
-  mount(part, [title, shelves, h("div", {class: "scroll"}, grid, empty)], {"motionloom:browse": onBrowse, "motionloom:search": onSearch})
+  const heard = model.noun === "action" ? {"motionloom:browse": onBrowse, "motionloom:search": onSearch} : {}
+  mount(part, [title, shelves, h("div", {class: "scroll"}, grid, empty)], heard)
   watch(model, ["actions", "value"], draw)
 }
 function card(model, {name, description, picture}, reachable, forget) {

@@ -3,12 +3,11 @@ export function render(part) {
   const {model} = part
   const box = h("div")
   mount(part, [box])
-  watch(model, ["busy", "progress", "problem", "named", "forecast", "error", "count", "note"], () => {
-    const label = model.count === 1 ? "Generate 1 take" : `Generate ${model.count} takes`
+  watch(model, ["busy", "progress", "problem", "named", "forecast", "error", "label", "note"], () => {
     const main = model.busy
       ? h("button", {class: "btn wide", "data-key": "main", type: "button", onclick: () => model.send_msg({do: "cancel"})}, icon("cross"), "Cancel")
       : h("button", {class: "btn primary wide", "data-key": "main", type: "button", disabled: Boolean(model.problem), "aria-describedby": "forecast", title: "Ctrl+Enter",
-          onclick: () => model.send_msg({do: "generate"})}, label, h("kbd", {"aria-hidden": "true"}, "Ctrl ⏎"))
+          onclick: () => model.send_msg({do: "generate"})}, model.label, h("kbd", {"aria-hidden": "true"}, "Ctrl ⏎"))
     const line = model.busy
       ? h("progress", {max: "1", value: model.progress > 0 ? String(model.progress) : null, "aria-label": "Generating"})
       : h("p", {class: "hint", id: "forecast"}, model.named ? "Choose an action it knows." : model.problem || model.forecast)

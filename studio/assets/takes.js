@@ -11,7 +11,7 @@ export function render(part) {
   list.addEventListener("keydown", (event) => {
     arrows(event, picks)
     const id = event.target.dataset?.id
-    const what = {f: "favourite", k: "accepted", c: "compare", Delete: "delete", a: "again"}[event.key]
+    const what = {f: "favourite", k: "accepted", c: "compare", Delete: "delete", a: "again", y: "style"}[event.key]
     if (id && event.key === "t" && !event.ctrlKey && !event.metaKey && !event.altKey) {
       event.preventDefault()
       event.stopPropagation()
@@ -55,6 +55,7 @@ export function render(part) {
     }, icon(name), text)
     redraw(foot, tool("accepted", "check", take?.accepted ? "Kept" : "Keep", Boolean(take?.accepted), "Keep this take (K)"),
       h("button", {class: "btn", type: "button", "data-key": "again", disabled: !take?.again || model.busy, title: "The same settings on another seed (A)", onclick: () => send("again")}, icon("again"), "Again"),
+      h("button", {class: "btn icon", type: "button", "data-key": "style", disabled: !take, "aria-label": "Put this take in another manner", title: "In another manner: the tab Style (Y)", onclick: () => send("style")}, icon("mask")),
       tool("compare", "compare", "Compare", model.compared.includes(model.selected), "Show it beside others, in sync (C); Ctrl-click ticks, Shift-click ticks a row"),
       h("button", {class: "btn icon", type: "button", "data-key": "delete", disabled: !take, "aria-label": "Delete this take", title: "Delete (Del); undo brings it back", onclick: () => send("delete")}, icon("trash")))
   }

@@ -5,7 +5,7 @@ export function render(part) {
   const input = h("input", {type: "file", accept: model.accept.join(","), class: "vh", id: "file", tabindex: "-1", "aria-label": "Motion file"})
   const choose = h("button", {class: "btn", type: "button", onclick: () => input.click()}, icon("upload"), "Choose a file")
   const outcome = h("div", {role: "status"})
-  const zone = h("div", {class: "zone"}, icon("upload"), h("p", {}, "Drop a motion file here, or anywhere on the page"), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
+  const zone = h("div", {class: "zone"}, icon("upload"), h("p", {}, model.text), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
   const refuse = (text) => { model.error = text; model.status = "" }
   async function send(file) {
     if (!file) return
@@ -22,7 +22,7 @@ export function render(part) {
     }
   }
   input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
-  mount(part, [zone, outcome], {"motionloom:file": (event) => send(event.detail), "motionloom:choose-file": () => input.click()})
+  mount(part, [zone, outcome], {"motionloom:file": (event) => { if (model.active) send(event.detail) }, "motionloom:choose-file": () => { if (model.active) input.click() }})
   watch(model, ["error", "status"], () => {
     redraw(outcome, model.error ? h("p", {class: "fault", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
   })

@@ -29,7 +29,9 @@ from studio.views.parts import (
     Segments,
     Upload,
 )  # fmt: skip
+from studio.views.style import style_form
 from studio.views.vary import vary
+from studio.wording import counted
 
 EXAMPLES = (
     "a person walks forward and turns left",
@@ -49,8 +51,9 @@ def compose_tabs(session: Session) -> Segments:
 
     def kinds() -> dict[str, Any]:
         words = [("text", "Text")] if "text" in state.capabilities else []
+        styles = [("style", "Style")] if session.styling.state.engine else []
         variations = [("vary", "Vary")] if state.capabilities & VARIES else []
-        return {"options": [("action", "Action"), *words, *variations, ("import", "Import")]}
+        return {"options": [("action", "Action"), *words, *styles, *variations, ("import", "Import")]}
 
     follow(tabs, state, ["capabilities"], kinds)
     return tabs
@@ -63,16 +66,17 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
     folds = column(_constraints(session), _advanced(session), gap=6)
     asked = column(field, words, _shape(session), folds, gap=10)
     files = column(_upload(session), html(_readable()), gap=18)
-    varied = vary(session)
+    varied, styled = vary(session), style_form(session)
 
     def show(*_: Any) -> None:
         tab = state.compose_tab
         asked.visible, files.visible, varied.visible = tab in ("action", "text"), tab == "import", tab == "vary"
+        styled.visible = tab == "style"
         field.visible, words.visible = tab != "text", tab == "text"
 
     state.param.watch(show, "compose_tab")
     show()
-    return column(asked, varied, files, gap=0)
+    return column(asked, styled, varied, files, gap=0)
 
 
 def _prompt(session: Session) -> Prompt:
@@ -264,7 +268,6 @@ def generate_button(session: Session) -> Generate:
     button = Generate(sizing_mode="stretch_width", margin=0)
     tie(
         button, state, busy="generating", progress="generate_progress", error="generate_error", note="generate_note",
-        count="count",
     )  # fmt: skip
     asked = ["request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "best_of", "pinned"]
     known = ["actions", "capabilities", "engine_ready", "generate_error", "fps", "max_frames", "generate_rate"]
@@ -272,7 +275,8 @@ def generate_button(session: Session) -> Generate:
     def show() -> dict[str, Any]:
         # an unknown action is named under its own field; here only what else stands in the way
         named = state.request == "action" and bool(state.nearest_actions())
-        return {"problem": state.problem(), "forecast": state.forecast(), "named": named}
+        label = f"Generate {counted(state.count, 'take')}"
+        return {"problem": state.problem(), "forecast": state.forecast(), "named": named, "label": label}
 
     follow(button, state, asked + known, show)
     follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab in ("action", "text")})
@@ -297,8 +301,10 @@ def _upload(session: Session) -> Upload:
     tie(part, state, error="import_error", status="import_status")
     part.on("open", lambda _: state.param.update(compose_tab="import"))
 
-    def piece(message: dict) -> None:
-        session.files.receive(message["id"], message["name"], message["start"], message["size"], message["data"])
+    def active() -> dict[str, Any]:
+        return {"active": not session.styling.wants_a_file()}
 
-    part.on("piece", piece)
+    follow(part, state, ["compose_tab"], active)
+    follow(part, session.styling.state, ["way"], active)
+    part.on("piece", session.files.receive)
     return part

@@ -170,11 +170,14 @@ class Vary(Part):
     _stylesheets = _style("vary")
 
 
-class ActionMap(Part):
-    """Many draws of an action as points; a place among them is chosen and kept."""
+class DrawMap(Part):
+    """Many draws as points; a place among them is chosen and kept."""
 
-    action = param.String("", doc="The action it is of; empty: none is drawn yet.")
-    asked = param.String("", doc="The action that a new one would be of.")
+    title = param.String("")
+    about = param.String("", doc="What a map shows, said while there is none.")
+    subject = param.String("", doc="What it is of; empty: none is drawn yet.")
+    names = param.List([], doc="What each draw is called; draws of one name have one colour.")
+    asked = param.String("", doc="What a new one would be of.")
     problem = param.String("", doc="Why none can be drawn.")
     points = param.List([], doc="[x, y] of each draw, 0 to 1, y upwards.")
     pictures = param.List([], doc="A picture of each; empty until it is drawn.")
@@ -185,13 +188,14 @@ class ActionMap(Part):
     busy = param.Boolean(False)
     progress = param.Number(0.0)
     error = param.String("")
-    _esm = _script("action_map")
-    _stylesheets = _style("action_map")
+    _esm = _script("draw_map")
+    _stylesheets = _style("draw_map")
 
 
 class ActionGrid(Part):
-    """The actions to choose from."""
+    """The actions, or the styles, to choose from."""
 
+    noun = param.String("action")
     actions = param.List([], doc="Dicts: name, description, group, picture (address or empty).")
     value = param.String("")
     _esm = _script("action_grid")
@@ -214,10 +218,10 @@ class Generate(Part):
     progress = param.Number(0.0)
     problem = param.String("", doc="Why the button is disabled.")
     named = param.Boolean(False, doc="That is already said above, where the action is typed.")
+    label = param.String("Generate", doc="What the button says.")
     forecast = param.String("")
     error = param.String("")
     note = param.String("", doc="What of the last draw's pins could not be met.")
-    count = param.Integer(1)
     _esm = _script("generate")
     _stylesheets = _style("generate")
 
@@ -241,6 +245,8 @@ class TakeGallery(Part):
 class Upload(Part):
     """Import by choosing or dropping a file; pieces arrive as messages."""
 
+    active = param.Boolean(True, doc="Takes what is dropped on the page.")
+    text = param.String("Drop a motion file here, or anywhere on the page")
     accept = param.List([])
     limit = param.Integer(0)
     error = param.String("")

@@ -29,6 +29,7 @@ def gallery(session: Session) -> TakeGallery:
     acts = {
         "compare": session.compare,
         "delete": session.delete,
+        "style": session.styling.open,
         "again": session.again,
         "clear": lambda _id: session.clear(),
         "favourite": lambda take_id: session.toggle(take_id, "favourite"),

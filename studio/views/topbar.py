@@ -66,7 +66,7 @@ def page(session: Session, bar: TopBar) -> Page:
         part.on("redo", lambda _: session.redo())
         part.on("import", import_file)
         part.on("export", show_export)
-    whole.on("generate", lambda _: session.generate())
+    whole.on("generate", lambda _: session.styling.stylise() if state.compose_tab == "style" else session.generate())
     return whole
 
 

@@ -10,8 +10,9 @@ import panel as pn
 from studio.session import Session
 from studio.takes import Take
 from studio.views.binding import follow, tie
+from studio.views.draw_map import draw_map
 from studio.views.forms import column
-from studio.views.parts import ActionMap, Vary
+from studio.views.parts import DrawMap, Vary
 
 
 def vary(session: Session) -> pn.Column:
@@ -19,23 +20,16 @@ def vary(session: Session) -> pn.Column:
     return column(_takes(session, "blend"), _map(session), _takes(session, "later"), gap=18)
 
 
-def _map(session: Session) -> ActionMap:
+def _map(session: Session) -> DrawMap:
     """Draws of an action as points, and what lies between them."""
     state, mapping = session.state, session.varying.map
-    part = ActionMap(sizing_mode="stretch_width", margin=0)
-    shown = ["action", "points", "pictures", "at", "ends", "line", "words", "busy", "progress", "error"]
-    follow(part, mapping.state, shown, lambda: {name: getattr(mapping.state, name) for name in shown})
+    part = draw_map(mapping, "Map of an action", "Forty draws as dots, like beside like.")
 
     def offered() -> dict[str, Any]:
-        action = " ".join(state.action.lower().split())
         able = "interpolate" in state.capabilities
-        return {"asked": action, "problem": mapping.problem(), "visible": able or not state.engine_ready}
+        return {"asked": mapping.subject(), "problem": mapping.problem(), "visible": able or not state.engine_ready}
 
     follow(part, state, ["action", "actions", "capabilities", "engine_ready", "engine"], offered)
-    part.on("draw", lambda _: mapping.draw())
-    part.on("cancel", lambda _: mapping.cancel())
-    part.on("move", lambda message: mapping.move(message["x"], message["y"]))
-    part.on("keep", lambda _: mapping.keep())
     return part
 
 

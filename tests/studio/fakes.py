@@ -11,7 +11,7 @@ import numpy as np
 
 from engines import SMPL22, Motion, Provenance, Segment
 from engines.actions import VOCABULARY
-from engines.errors import Cancelled, UnknownLabelError
+from engines.errors import Cancelled, OutOfRangeError, UnknownLabelError
 
 
 def sway(action: str = "walk", frames: int = 60, seed: int = 0, index: int = 0, fps: float = 20.0) -> Motion:
@@ -104,3 +104,44 @@ class ConstrainedEngine(FakeEngine):
 
 
 KINDS: tuple[tuple[Any, str], ...] = (("style", "style"), ("text", "prompt"))
+
+
+class FakeStyliser:
+    """Raises the arms by the style's place among `styles`, a little more for each of a draw, as the strength says."""
+
+    name, variant, description = "restyler", "plain", "A stand-in."
+    variants = ("plain",)
+    weights_hash, licence, fps = "e" * 64, "CC0", 30.0
+    styles = ("happy", "old", "tired")
+    capabilities = frozenset({"stylise", "references", "styles", "variants"})
+
+    def __init__(self) -> None:
+        self.calls: list[dict] = []
+
+    def stylise(self, motion, style=None, *, like=None, strength=1.0, count=1, seed=0):  # noqa: PLR0913
+        self.calls.append({"frames": len(motion), "style": style, "like": like and len(like), "strength": strength,
+                           "count": count, "seed": seed})  # fmt: skip
+        if style is not None and style not in self.styles:
+            raise UnknownLabelError("style", style, self.styles)
+        if len(motion) < 8:
+            raise OutOfRangeError("frames of the motion at 30 fps", len(motion), "8 to 18,000")
+        place = self.styles.index(style) + 1 if style else 4
+        return [self._raised(motion, style, strength * (0.3 * place + 0.02 * i), seed, i) for i in range(count)]
+
+    def style_code(self, motion, style=None):
+        """How far the left arm is raised, twice; the second as it depends on the seed."""
+        turn = float(motion.rotations[0, SMPL22.index("left_collar"), 3])
+        return np.array([turn, turn**2 + 0.1 * ((motion.provenance.seed or 0) % 3), 0.0])
+
+    def interpolate_styles(self, motion, a, b, steps=5, style=()):
+        angles = 2 * np.arcsin(a[0] + (b[0] - a[0]) * np.linspace(0, 1, steps))
+        return [self._raised(motion, None, float(angle), 0, i) for i, angle in enumerate(angles)]
+
+    def _raised(self, motion: Motion, style: str | None, angle: float, seed: int, index: int) -> Motion:  # noqa: PLR0917
+        house = motion.retarget(SMPL22).resample(self.fps)
+        turns = house.rotations.copy()
+        for joint, side in (("left_collar", 1), ("right_collar", -1)):
+            turns[:, SMPL22.index(joint)] = [math.cos(angle / 2), 0, 0, side * math.sin(angle / 2)]
+        labels = (*house.labels, *([Segment(0, len(house), "style", style)] if style else []))
+        made = Provenance(self.name, self.weights_hash, "", seed, index)
+        return house.replaced(rotations=turns, labels=labels, provenance=made)

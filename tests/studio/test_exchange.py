@@ -41,10 +41,14 @@ def test_a_dropped_file_becomes_a_take(started, settle, tmp_path):
     assert started.files.settings_file() == ("", "")
 
 
+def piece(name: str, start: int, size: int, data: bytes) -> dict:
+    return {"id": "key", "name": name, "start": start, "size": size, "data": data}
+
+
 def test_pieces_in_order_make_a_file(started, settle, tmp_path):
     data = bvh(tmp_path)
     for start in range(0, len(data), 1000):
-        started.files.receive("key", "folder/walk.bvh", start, len(data), data[start : start + 1000])
+        started.files.receive(piece("folder/walk.bvh", start, len(data), data[start : start + 1000]))
     settle(started)
     assert started.state.take().source == "walk.bvh"
 
@@ -60,8 +64,8 @@ def test_pieces_in_order_make_a_file(started, settle, tmp_path):
     ids=["middle first", "gap", "more than said", "too large"],
 )
 def test_pieces_that_do_not_fit_are_refused_and_forgotten(started, pieces):
-    for start, size, piece in pieces:
-        started.files.receive("key", "a.bvh", start, size, piece)
+    for start, size, data in pieces:
+        started.files.receive(piece("a.bvh", start, size, data))
     assert started.state.import_error == "a.bvh: the upload broke off; try again."
     assert started.files._arriving == {}
 

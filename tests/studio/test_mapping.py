@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from studio import tasks
-from studio.mapping import DRAWS, MARGIN, Place, Plane, stands_for
+from studio.mapping import DRAWS, MARGIN, Place, Plane, poses, stands_for
 from studio.settings import BLEND_STEPS
 from tests.studio.fakes import sway
 from tests.studio.test_varying import varied  # noqa: F401 - a fixture
@@ -46,14 +46,14 @@ def test_on_a_draw_and_between_two():
 def test_like_stands_beside_like_within_the_margins():
     near = [sway(seed=1, index=0).moved((0.01 * i, 0, 0)) for i in range(4)]
     far = [sway(seed=1, index=0).moved((2 + 0.01 * i, 0, 0.001 * i * i)) for i in range(4)]
-    plane = Plane([*near, *far])
-    places = plane.places([*near, *far])
+    plane = Plane(poses([*near, *far]))
+    places = plane.places(poses([*near, *far]))
     assert places.min() == pytest.approx(MARGIN)
     assert places.max() == pytest.approx(1 - MARGIN)
     assert np.ptp(places[:4, 0]) < 0.05
     assert abs(places[0, 0] - places[4, 0]) > 0.8
-    np.testing.assert_array_equal(Plane([*near, *far]).places(near), places[:4])
-    halfway = plane.places([near[0].moved((1.0, 0, 0))])
+    np.testing.assert_array_equal(Plane(poses([*near, *far])).places(poses(near)), places[:4])
+    halfway = plane.places(poses([near[0].moved((1.0, 0, 0))]))
     assert halfway[0, 0] == pytest.approx(0.5, abs=0.02)
 
 
@@ -69,7 +69,7 @@ def mapped(varied, settle):  # noqa: F811
 def test_forty_draws_are_put_on_it_with_pictures(mapped):
     drawn = mapped.varying.map.state
     assert [(call["seed"], call["count"]) for call in mapped.fake.calls] == [(11, 20), (12, 20)]
-    assert (drawn.action, len(drawn.points), drawn.busy, drawn.error) == ("walk", DRAWS, False, "")
+    assert (drawn.subject, len(drawn.points), drawn.busy, drawn.error) == ("walk", DRAWS, False, "")
     assert drawn.pictures == ["picture None"] * DRAWS
     assert mapped.state.preview == ()
 

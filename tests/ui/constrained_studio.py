@@ -1,4 +1,5 @@
-"""The studio with one more engine, a quick stand-in that takes styles, words and pins: `motionloom`'s own arguments.
+"""The studio with quick stand-ins for an engine that takes styles, words and pins, and for one that puts takes in other
+manners: `motionloom`'s own arguments.
 
 What the engine is told goes, a line of JSON a draw, to the file that $MOTIONLOOM_TEST_TOLD names.
 """
@@ -15,7 +16,7 @@ import numpy as np
 from engines import Motion, registry
 from engines.loom.constraints import Constraints
 from studio import cli, settings
-from tests.studio.fakes import ConstrainedEngine
+from tests.studio.fakes import ConstrainedEngine, FakeStyliser
 
 NAME = "stand-in"
 
@@ -47,10 +48,12 @@ def in_json(constraints: Constraints | None) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Register the stand-in as the engine a newcomer meets, and start."""
+    """Register the stand-ins, one as the engine a newcomer meets, and start."""
     known = registry.available
     registry._ENGINES[NAME] = ("a stand-in", lambda **_options: Telling())
     registry.available = lambda: {NAME: "a stand-in", **known()}  # type: ignore[method-assign]
+    registry._STYLISERS = {"restyler": ("a stand-in", lambda **_options: FakeStyliser())}
+    registry.stylisers = lambda: {"restyler": "a stand-in"}
     settings.DEFAULT_ENGINE = NAME
     cli.main()
 

@@ -1,4 +1,4 @@
-// A map of an action: draws as dots, like beside like. Press or drag anywhere, or move the point with the arrow keys.
+// A map: draws as dots, like beside like. Press or drag anywhere, or move the point with the arrow keys.
 export function render(part) {
   const {model} = part
   const send = (what, more = {}) => model.send_msg({do: what, ...more})
@@ -17,16 +17,18 @@ export function render(part) {
   const real = svg("circle", {class: "real", r: "5"})
   const point = svg("circle", {class: "point", r: "8"})
   const picture = svg("svg", {viewBox: `0 0 ${SIDE} ${SIDE}`, "aria-hidden": "true"}, straight, way, dots, real, point)
-  const peek = h("img", {class: "peek", alt: "", width: "64", height: "64", hidden: true})
+  const face = h("img", {alt: "", width: "64", height: "64"})
+  const name = h("span")
+  const peek = h("div", {class: "peek", hidden: true}, face, name)
   const told = h("p", {class: "hint told", role: "status"})
-  const map = h("div", {class: "map", tabindex: "0", role: "application", "aria-label": "Map of the action: arrow keys move the point, Enter keeps what is shown"}, picture, peek)
+  const map = h("div", {class: "map", tabindex: "0", role: "application", "aria-label": "Map"}, picture, peek)
   const keep = h("button", {class: "btn primary", type: "button", onclick: () => send("keep")}, icon("check"), "Keep this one")
   const draw = h("button", {class: "btn wide", type: "button", onclick: () => send("draw")})
   const stop = h("button", {class: "btn wide", type: "button", onclick: () => send("cancel")}, icon("cross"), "Cancel the map")
   const bar = h("progress", {max: "1", "aria-label": "Draws made"})
   const note = h("p", {class: "hint"})
   const fault = h("p", {class: "fault", role: "alert"})
-  mount(part, [h("section", {class: "whole", "aria-label": "Map of an action"}, h("h4", {}, "Map of an action"), map, told, note, keep, draw, stop, bar, fault)])
+  mount(part, [h("section", {class: "whole", "aria-label": model.title}, h("h4", {}, model.title), map, told, note, keep, draw, stop, bar, fault)])
 
   // the point goes with the hand at once; the page's thread is told once a picture
   let here = null
@@ -52,9 +54,11 @@ export function render(part) {
     return best[1]
   }
   const look = (i) => {
-    peek.hidden = !(i >= 0 && model.pictures[i])
+    peek.hidden = !(i >= 0 && (model.pictures[i] || model.names[i]))
     if (peek.hidden) return
-    if (peek.getAttribute("src") !== model.pictures[i]) peek.src = model.pictures[i]
+    face.hidden = !model.pictures[i]
+    if (face.getAttribute("src") !== model.pictures[i]) face.src = model.pictures[i]
+    name.textContent = model.names[i] ?? ""
     const [x, y] = model.points[i]
     peek.style.left = `${Math.min(74, Math.max(0, 100 * x - 13))}%`
     peek.style.top = y > 0.4 ? `${100 * (1 - y) + 4}%` : `${100 * (1 - y) - 32}%`
@@ -72,13 +76,19 @@ export function render(part) {
     event.stopPropagation()
   }
   model.on("points", () => { here = null })
-  watch(model, ["action", "asked", "problem", "points", "pictures", "at", "ends", "line", "words", "busy", "progress", "error"], () => {
+  watch(model, ["subject", "names", "asked", "problem", "points", "pictures", "at", "ends", "line", "words", "busy", "progress", "error"], () => {
     const there = model.points.length > 0
     map.hidden = !there
-    map.setAttribute("aria-label", `Map of ${model.action}: arrow keys move the point, Enter keeps what is shown`)
+    map.setAttribute("aria-label", `Map of ${model.subject}: arrow keys move the point, Enter keeps what is shown`)
     if (dots.childNodes.length !== model.points.length || dots.of !== model.points) {
       dots.of = model.points
-      dots.replaceChildren(...model.points.map((at) => svg("circle", {class: "dot", r: "4.5", cx: across(at), cy: down(at)})))
+      const kinds = [...new Set(model.names)]
+      dots.replaceChildren(...model.points.map((at, i) => {
+        const dot = svg("circle", {class: "dot", r: "4.5", cx: across(at), cy: down(at)})
+        // draws of one name have one colour
+        if (kinds.length < model.points.length) dot.style.setProperty("--kind", `hsl(${Math.round(360 * kinds.indexOf(model.names[i]) / kinds.length)} 55% 58%)`)
+        return dot
+      }))
     }
     dots.childNodes.forEach((dot, i) => dot.setAttribute("class", model.ends.includes(i) ? "dot on" : "dot"))
     put(point, here ?? (model.at.length ? model.at : null))
@@ -96,7 +106,7 @@ export function render(part) {
     draw.title = model.problem
     stop.hidden = bar.hidden = !model.busy
     bar.value = model.progress
-    note.textContent = !there ? "Forty draws as dots, like beside like." : !model.words ? `Forty draws of “${model.action}”. Press a dot, or a place between dots.` : model.ends.length > 1 ? "The way from the one to the other; the ring is where this one truly lies." : ""
+    note.textContent = !there ? model.about : !model.words ? `${model.points.length} draws of “${model.subject}”. Press a dot, or a place between dots.` : model.ends.length > 1 ? "The way from the one to the other; the ring is where this one truly lies." : ""
     note.hidden = !note.textContent || model.busy
     fault.textContent = model.error || (model.busy ? "" : model.problem)
     fault.hidden = !fault.textContent
