@@ -316,7 +316,7 @@ class Mapping:
         between = self._between.get((place.first, place.second))
         if between is None or self._plane is None:
             return []
-        return self._plane.places(between[1]).round(4).tolist()
+        return self._plane.places(between[1]).clip(0, 1).round(4).tolist()
 
     def _work_out(self) -> None:
         """Have the engine make what lies between, one pair at a time: the latest that was asked for."""

@@ -36,6 +36,8 @@ MAX_BEST_OF = 16
 MAX_PROMPT = 1000
 MAX_THEN = 32
 MAX_STRENGTH = 1.5
+A_SURPRISE = "a surprise"
+"""A manner by chance, in words."""
 BLEND_STEPS = 21
 """So many motions from one end of a blend to the other, both included."""
 VIDEO_FORMATS = ("mp4", "gif", "webm")
@@ -115,7 +117,7 @@ class GenerateSettings:
         to = self.blend.get("style", "")
         if self.like is not None:
             return f"as in {self.like.source or 'another motion'}"
-        return f"{self.style} to {to}" if to not in ("", self.style) else self.style or "a surprise"
+        return f"{self.style} to {to}" if to not in ("", self.style) else self.style or A_SURPRISE
 
     def __post_init__(self) -> None:
         _within("guidance", self.guidance, 0.0, MAX_GUIDANCE)

@@ -16,7 +16,7 @@ from studio import edits, tasks
 from studio.given import Given
 from studio.jobs import Job
 from studio.mapping import DRAWS, Mapping
-from studio.settings import MAX_COUNT, MAX_SEED, MAX_STRENGTH, GenerateSettings
+from studio.settings import A_SURPRISE, MAX_COUNT, MAX_SEED, MAX_STRENGTH, GenerateSettings
 from studio.takes import Take
 from studio.wording import counted, duration
 
@@ -107,7 +107,7 @@ class Styling:
         if take is None:
             return ""
         taken = {"style": self.state.style, "like": f"as in {self.state.like.replace('-', ' ')}"}
-        manner = taken.get(self.state.way, "a surprise")
+        manner = taken.get(self.state.way, A_SURPRISE)
         return f"{counted(self.state.count, 'take')} of {duration(take.duration)} · {manner} × {self.state.strength:g}"
 
     def request(self, seed: int) -> Callable[[], GenerateSettings]:

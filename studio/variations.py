@@ -97,7 +97,8 @@ def _restyled(settings: GenerateSettings, engine: Any) -> list[Motion]:
     assert settings.given is not None
     told = tasks.told(settings, engine, without=("prompt",))
     made = engine.stylise(settings.given.motion, count=settings.count, seed=settings.seed, **told)
-    return [motion.replaced(provenance=replace(motion.provenance, prompt=settings.subject)) for motion in made]
+    shown = settings.action or settings.prompt
+    return [motion.replaced(provenance=replace(motion.provenance, prompt=shown)) for motion in made]
 
 
 def _between_styles(settings: GenerateSettings, engine: Any) -> list[Motion]:

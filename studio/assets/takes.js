@@ -55,7 +55,6 @@ export function render(part) {
     }, icon(name), text)
     redraw(foot, tool("accepted", "check", take?.accepted ? "Kept" : "Keep", Boolean(take?.accepted), "Keep this take (K)"),
       h("button", {class: "btn", type: "button", "data-key": "again", disabled: !take?.again || model.busy, title: "The same settings on another seed (A)", onclick: () => send("again")}, icon("again"), "Again"),
-      h("button", {class: "btn icon", type: "button", "data-key": "style", disabled: !take, "aria-label": "Put this take in another manner", title: "In another manner: the tab Style (Y)", onclick: () => send("style")}, icon("mask")),
       tool("compare", "compare", "Compare", model.compared.includes(model.selected), "Show it beside others, in sync (C); Ctrl-click ticks, Shift-click ticks a row"),
       h("button", {class: "btn icon", type: "button", "data-key": "delete", disabled: !take, "aria-label": "Delete this take", title: "Delete (Del); undo brings it back", onclick: () => send("delete")}, icon("trash")))
   }
@@ -103,6 +102,7 @@ function card(model, take, send) {
       h("div", {class: "line"}, ...take.tags.map((tag) => h("span", {class: "tag", "data-key": `tag ${tag}`}, tag)), take.line),
       h("div", {class: "line measures"}, ...take.measures.map(({word, level, name, text, real}) => h("span", {class: level, title: `${name}: ${text}${real ? ` (real motion: ${real})` : ""}`}, word)))),
     h("div", {class: "marks"},
+      h("button", {class: "mark", type: "button", tabindex: "-1", "aria-label": `Another manner of ${take.title}`, title: "In another manner (Y)", onclick: () => send("style", take.id)}, icon("mask")),
       h("button", {class: `mark star ${take.favourite ? "on" : ""}`, type: "button", tabindex: "-1", "aria-pressed": String(take.favourite), "aria-label": `Star ${take.title}`, title: "Star (F)", onclick: () => send("favourite", take.id)}, icon("star", take.favourite)),
       h("button", {class: `mark ${ticked ? "on" : ""}`, type: "button", tabindex: "-1", "aria-pressed": String(ticked), "aria-label": `Compare ${take.title}`, title: "Compare (C)", onclick: () => send("compare", take.id)}, icon("compare"))))
 }

@@ -15,7 +15,7 @@ from studio.edits import WORDS
 from studio.proportions import proportions
 from studio.quality import measures
 from studio.session import Session
-from studio.settings import GenerateSettings
+from studio.settings import A_SURPRISE, GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.body import body_panel
@@ -132,7 +132,8 @@ def _made(take: Take) -> str:
             "Weights": f"{made.weights[:4]}…{made.weights[-4:]}" if made.weights else "",
             "Action": escape(drawn.action),
             "Prompt": escape(drawn.prompt),
-            "Style": escape(drawn.style),
+            "Given": escape(drawn.given.source) if drawn.given else "",
+            "Style": escape(_style(take)),
             "Pinned": "<br>".join(escape(words) for words in _pinned(drawn, motion.fps)),
             "Then": escape(", ".join(f"{action} {frames / motion.fps:.1f} s" for action, frames in drawn.then)),
             "Seed": f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
@@ -152,6 +153,16 @@ def _blend(drawn: GenerateSettings) -> str:
         return ""
     to = drawn.blend
     return f"{100 * to['share']:.0f} % towards seed {to['seed']:.0f}<small>draw {to['take']:.0f}</small>"
+
+
+def _style(take: Take) -> str:
+    """In which manner, and how much of it."""
+    drawn = take.settings
+    if drawn is None or drawn.given is None:
+        return drawn.style if drawn else ""
+    by_chance = take.motion.label_at(0, "style") if drawn.manner == A_SURPRISE else ""
+    manner = f"{drawn.manner} ({by_chance})" if by_chance else drawn.manner
+    return f"{manner} × {drawn.strength:g}" + (", its tempo too" if drawn.tempo else "")
 
 
 def _pinned(drawn: GenerateSettings, fps: float) -> list[str]:

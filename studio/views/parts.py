@@ -247,6 +247,7 @@ class Upload(Part):
 
     active = param.Boolean(True, doc="Takes what is dropped on the page.")
     text = param.String("Drop a motion file here, or anywhere on the page")
+    compact = param.Boolean(False, doc="In one line.")
     accept = param.List([])
     limit = param.Integer(0)
     error = param.String("")

@@ -16,7 +16,7 @@ from studio.views.draw_map import draw_map
 from studio.views.forms import column, dressed, row
 from studio.views.parts import ASSETS, ActionGrid, Generate, Seed, Segments, Upload
 
-_WAYS = {"style": "By name", "like": "Like a take", "chance": "Surprise", "map": "Map"}
+_WAYS = {"style": "Name", "like": "Clip", "chance": "Surprise", "map": "Map"}
 
 
 def style_form(session: Session) -> pn.Column:
@@ -70,7 +70,7 @@ def _like(session: Session) -> pn.Column:
     """The take whose manner is taken, which may come from a file."""
     styling, state = session.styling, session.state
     part = Upload(
-        accept=list(IMPORTS), limit=UPLOAD_LIMIT, text="Drop a clip whose manner to take", sizing_mode="stretch_width",
+        accept=list(IMPORTS), limit=UPLOAD_LIMIT, text="or drop one", compact=True, sizing_mode="stretch_width",
         margin=0,
     )  # fmt: skip
     tie(part, state, error="import_error", status="import_status")

@@ -89,7 +89,7 @@ def test_a_take_in_a_style_stands_beside_the_take(styled, settle):
     assert [take.edits for take in made] == [("feet",), ("feet",)]
     assert made[0].subject == "walk, old"
     assert (made[1].settings.take, made[0].settings.given.source) == (2, "take 2")
-    assert made[0].motion.provenance.prompt == "walk, old"
+    assert made[0].motion.provenance.prompt == "walk"
     settings = parse_settings(Settings(made[1].settings).to_json()).generate
     (again,) = tasks.generate(settings)
     assert again.rotations.tobytes() == made[1].motion.rotations.tobytes()
