@@ -17,6 +17,7 @@ from typing import Any
 
 import engines
 from studio import draws, tasks, thumbnails
+from studio.arranging import Arranging
 from studio.dressing import Dressing
 from studio.editing import Editing
 from studio.exchange import Exchange
@@ -69,6 +70,7 @@ class Session:
         self.editing = Editing(self)
         self.varying = Varying(self)
         self.styling = Styling(self)
+        self.arranging = Arranging(self)
         self.dressing = Dressing(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
@@ -120,7 +122,7 @@ class Session:
         state = self.state
         if state.generating or state.problem():
             return
-        if self._draws and not state.seed_locked:
+        if self._draws and not state.seed_locked and state.request != "sequence":
             state.seed = random.randrange(10_000)
         self._draws += 1
         self.ask(state.generate_settings())
@@ -153,6 +155,9 @@ class Session:
         made = take.settings
         if made.blend:
             return
+        if made.sequence:
+            self.ask(self.arranging.again(made))
+            return
         if made.then or made.given or (made.constraints and "constraints" not in self.state.capabilities):
             self.ask(replace(made, seed=random.randrange(10_000), take=None))
             return
@@ -166,6 +171,9 @@ class Session:
         if take is None or take.settings is None:
             return
         made = take.settings
+        if made.sequence:
+            self.state.compose_tab = "sequence"
+            return
         tab = "text" if made.prompt and not made.action else "action"
         self.state.param.update(
             engine=made.engine, variant=made.variant, action=made.action or self.state.action, frames=made.frames,
@@ -329,6 +337,7 @@ class Session:
             newest = [take.id for take in takes.group_of(ids[-1])] if ids else [""]
             state.selected = (left or newest)[0]
         self.dressing.follow()
+        self.arranging.follow()
         if any(i not in ids for i in state.compared):
             state.compared = [i for i in state.compared if i in ids]
         self._restage()
@@ -383,7 +392,7 @@ class Session:
             style=self.state.style if self.state.style in styles else "",
             max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)),
             tool=self.state.tool if "constraints" in can else "none",
-            request=self.state.request if "text" in can else "action",
+            request="action" if self.state.request == "text" and "text" not in can else self.state.request,
             compose_tab="action" if self.state.compose_tab == "text" and "text" not in can else self.state.compose_tab,
             variants=list(getattr(engine, "variants", ())),
             fps=float(engine.fps),

@@ -24,6 +24,7 @@ import engines
 from engines.errors import FormatError, MotionloomError, OutOfRangeError, UnknownLabelError
 from studio.given import Given
 from studio.pinned import NOTHING, Pinned
+from studio.sequence import EMPTY, Sequence
 
 VERSION = 1
 DEFAULT_ENGINE = "loom"
@@ -102,11 +103,13 @@ class GenerateSettings:
     """How much of the manner: 0 leaves the motion as it is, 1 is as it was learned, up to 1.5."""
     tempo: bool = False
     """Whether it also becomes as fast as the style is."""
+    sequence: Sequence = EMPTY
+    """Blocks one after the other, in place of action and prompt; see `studio.sequence`."""
 
     @property
     def subject(self) -> str:
         """What the motion shows, in a line."""
-        shown = self.action or self.prompt
+        shown = self.sequence.subject or self.action or self.prompt
         if self.given is None:
             return shown or "motion"
         return f"{shown or self.given.source or 'motion'}, {self.manner}"
@@ -134,6 +137,10 @@ class GenerateSettings:
         _within("strength", self.strength, 0.0, MAX_STRENGTH)
         self._check_then()
         self._check_blend()
+        if self.sequence and (self.then or self.blend or self.constraints or self.given):
+            raise MotionloomError(
+                "a sequence says all by its blocks; then, blend, constraints and given do not go with it."
+            )
 
     @property
     def length(self) -> int:
@@ -235,6 +242,7 @@ class Settings:
         generate = {f.name: getattr(own, f.name) for f in fields(own)}
         generate |= {"bone_scale": dict(own.bone_scale), "constraints": own.constraints.to_json()}
         generate |= {"then": [list(part) for part in own.then], "blend": dict(own.blend)}
+        generate |= {"sequence": own.sequence.to_json()}
         generate |= {name: motion and motion.to_json() for name, motion in (("given", own.given), ("like", own.like))}
         export = {f.name: getattr(self.export, f.name) for f in fields(self.export)}
         export |= {"formats": list(self.export.formats), "edits": list(self.export.edits)}
@@ -316,7 +324,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
     "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
     "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
-    "then": (list,), "blend": (dict,), "width": (int, type(None)), "height": (int, type(None)),
+    "then": (list,), "blend": (dict,), "sequence": (dict,), "width": (int, type(None)), "height": (int, type(None)),
     "fps": (int, float, type(None)), "body": (str,), "shape": (dict,), "given": (dict, type(None)),
     "like": (dict, type(None)), "strength": (int, float), "tempo": (bool,),
 }  # fmt: skip
@@ -324,6 +332,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
 
 _READERS: dict[str, Any] = {
     "constraints": Pinned.from_json, "given": Given.from_json, "like": Given.from_json,
+    "sequence": Sequence.from_json,
 }  # fmt: skip
 """Keys whose value is more than a JSON value."""
 

@@ -8,6 +8,7 @@ import param
 
 from engines.errors import MotionloomError, UnknownLabelError
 from studio.pinned import NOTHING, Pinned
+from studio.sequence import EMPTY, Sequence
 from studio.settings import (
     DEFAULT_ENGINE,
     FORMATS,
@@ -23,6 +24,7 @@ from studio.settings import (
     usual_engine,
 )
 from studio.takes import Take
+from studio.wording import counted, duration
 
 
 class StudioState(param.Parameterized):
@@ -57,7 +59,9 @@ class StudioState(param.Parameterized):
     engine_ready = param.Boolean(False, doc="Loaded.")
 
     # ---- what is asked ----
-    request = param.Selector(default="action", objects=["action", "text"], doc="Asked by an action or in words.")
+    request = param.Selector(
+        default="action", objects=["action", "text", "sequence"], doc="Asked by an action, in words, or block by block."
+    )
     action = param.String("walk", doc="What the person does.")
     frames = param.Integer(60, bounds=(2, MAX_FRAMES), doc="Length, frames.")
     seed = param.Integer(7, bounds=(0, MAX_SEED), doc="Seed of the draw; shown always.")
@@ -73,6 +77,12 @@ class StudioState(param.Parameterized):
     playhead = param.Number(0.0, doc="Where the player is, seconds.")
     frame = param.Integer(-1, doc="Frame at which the player stands still; -1 while it plays or shows nothing.")
     pin_error = param.String("", doc="Why the last thing could not be pinned.")
+
+    # ---- the timeline ----
+    sequence = param.ClassSelector(class_=Sequence, default=EMPTY, doc="The blocks that the timeline shows.")
+    block = param.String("", doc="Id of the block that is picked.")
+    sequence_error = param.String("", doc="Why the last change to the blocks could not be made.")
+    heard = param.Integer(0, doc="Counts what was done on the timeline, so that it hears of what was refused too.")
 
     # ---- variations of takes ----
     blend_from = param.String("", doc="Id of the take that a blend begins with.")
@@ -112,7 +122,9 @@ class StudioState(param.Parameterized):
 
     # ---- which panels are open ----
     compose_tab = param.Selector(
-        default="action", objects=["action", "text", "style", "vary", "import"], doc="Tab of the left panel."
+        default="action",
+        objects=["action", "text", "style", "sequence", "vary", "import"],
+        doc="Tab of the left panel.",
     )
     inspector_tab = param.Selector(
         default="details", objects=["details", "body", "export"], doc="Tab of the inspector."
@@ -148,7 +160,7 @@ class StudioState(param.Parameterized):
         self.param.watch(self._tab_changed, "compose_tab")
 
     def _tab_changed(self, event: Any) -> None:
-        if event.new in ("action", "text"):
+        if event.new in ("action", "text", "sequence"):
             self.request = event.new
 
     # ---- derived ------------------------------------------------------------------------------------------
@@ -165,6 +177,12 @@ class StudioState(param.Parameterized):
             MotionloomError: something asked is out of range.
         """
         can = self.capabilities
+        if self.request == "sequence":
+            return GenerateSettings(
+                engine=self.engine, variant=self.variant, action="", count=1,
+                frames=min(max(self.sequence.frames(self.fps), 2), MAX_FRAMES),
+                guidance=self.guidance if "guidance" in can else GenerateSettings.guidance, sequence=self.sequence,
+            )  # fmt: skip
         words = self.request == "text" and "text" in can
         told: dict[str, Any] = {
             "bone_scale": dict(self.bone_scale) if "scale_bones" in can else None,
@@ -191,7 +209,7 @@ class StudioState(param.Parameterized):
         if not self.engine_ready:
             return "The engine could not be loaded." if self.generate_error else "Loading the engine…"
         said = self._request_problem()
-        if said:
+        if said or self.request == "sequence":
             return said
         try:
             asked = self.generate_settings()
@@ -204,7 +222,9 @@ class StudioState(param.Parameterized):
         return asked.constraints.problem(self.frames, self.fps)
 
     def _request_problem(self) -> str:
-        """What is wrong with the action or the words."""
+        """What is wrong with the action, the words or the blocks."""
+        if self.request == "sequence":
+            return self._sequence_problem()
         if self.request == "text" and "text" in self.capabilities:
             if not self.prompt.strip():
                 return "Describe the motion."
@@ -214,16 +234,36 @@ class StudioState(param.Parameterized):
         nearest = ", ".join(f"“{name}”" for name in self.nearest_actions())
         return f"“{self.action}” is not an action this engine knows. Nearest: {nearest}." if nearest else ""
 
-    def nearest_actions(self) -> list[str]:
-        """Known actions most like the one typed, when that one is not known."""
+    def _sequence_problem(self) -> str:
+        """What is wrong with the blocks."""
+        if not self.sequence:
+            return "Drag actions onto the timeline, or press them."
+        for number, block in enumerate(self.sequence.blocks, 1):
+            if block.engine:
+                continue
+            if block.kind == "prompt" and "text" not in self.capabilities:
+                return f"Block {number} is described in words, which this engine does not read."
+            nearest = self.nearest_actions(block.what) if block.kind == "action" else []
+            if nearest:
+                names = ", ".join(f"“{name}”" for name in nearest)
+                return f"Block {number}: “{block.what}” is not an action this engine knows. Nearest: {names}."
+        return ""
+
+    def nearest_actions(self, action: str | None = None) -> list[str]:
+        """Known actions most like one, the one typed unless given, when that one is not known."""
         known = [action.name for action in self.actions]
-        typed = " ".join(self.action.lower().split())
+        typed = " ".join((self.action if action is None else action).lower().split())
         if not typed or typed in known or not known:
             return []
         return UnknownLabelError("action", typed, known).nearest
 
     def forecast(self) -> str:
         """One line on what Generate will bring."""
+        if self.request == "sequence":
+            frames = self.sequence.frames(self.fps)
+            rate = f" · {_seconds(frames / self.generate_rate)} on this machine" if self.generate_rate > 0 else ""
+            blocks = counted(len(self.sequence.blocks), "block")
+            return f"{blocks} · {duration(self.sequence.seconds)} · {frames:,} frames{rate}"
         text = f"{self.count} × {self.frames} frames at {self.fps:g} fps"
         tries = self.best_of if "best_of" in self.capabilities else 1
         text += f" · the best of {tries} each" if tries > 1 else ""

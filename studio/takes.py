@@ -26,6 +26,8 @@ PROJECT = 0
 BODY = "body"
 """Field of a project: the body its takes are shown with, `{"name": "anny", "shape": {"weight": 0.7}}`; empty: as it
 comes."""
+SEQUENCE = "sequence"
+"""Field of a project: the blocks on its timeline, as `studio.sequence.Sequence.to_json` gives them."""
 
 
 class Held(Protocol):
@@ -115,7 +117,7 @@ class Change:
     number: int
     """Of the take, or `PROJECT`."""
     fields: Mapping[str, tuple[Any, Any]]
-    """Name -> (value before, value after), of `CHANGING`, or `PRESENT`; of a project, `BODY`."""
+    """Name -> (value before, value after), of `CHANGING`, or `PRESENT`; of a project, `BODY` or `SEQUENCE`."""
 
 
 @dataclass(frozen=True)
@@ -144,6 +146,11 @@ class TakeStore(Protocol):
     @property
     def body(self) -> Mapping[str, Any]:
         """The body that the takes are shown with, as `BODY` says; empty: the usual one."""
+        ...
+
+    @property
+    def sequence(self) -> Mapping[str, Any]:
+        """The blocks on the timeline, as `SEQUENCE` says; empty: none."""
         ...
 
     def read(self) -> tuple[Take, ...]:
@@ -190,6 +197,7 @@ class MemoryStore:
         self.undone: list[Step] = []
         self.numbers = 0
         self.body: Mapping[str, Any] = {}
+        self.sequence: Mapping[str, Any] = {}
 
     @property
     def undo_name(self) -> str:
@@ -250,7 +258,8 @@ class MemoryStore:
     def _apply(self, step: Step, after: bool) -> None:
         for change in step.changes:
             if change.number == PROJECT:
-                self.body = change.fields[BODY][after]
+                self.body = change.fields.get(BODY, (self.body,) * 2)[after]
+                self.sequence = change.fields.get(SEQUENCE, (self.sequence,) * 2)[after]
             take = self.known.get(change.number)
             if take is None:
                 continue
@@ -366,6 +375,12 @@ class TakeList:
         before = dict(self.store.body)
         if dict(body) != before:
             self._do(what, [Change(PROJECT, {BODY: (before, dict(body))})])
+
+    def arrange(self, sequence: Mapping[str, Any], what: str) -> None:
+        """Put other blocks on the timeline, as `SEQUENCE` says; `what` names the step."""
+        before = self.store.sequence
+        if sequence != before:
+            self._do(what, [Change(PROJECT, {SEQUENCE: (before, sequence)})])
 
     def undo(self) -> str:
         """Take the last step back. Returns its name, empty when there was none."""

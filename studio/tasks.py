@@ -61,6 +61,10 @@ def generate(
         MotionloomError: something is asked that the engine cannot do, or that contradicts itself.
         Cancelled: `cancel()` said so.
     """
+    if settings.sequence:
+        from studio import sequencing
+
+        return sequencing.make(settings, progress, cancel)
     return generate_with(load_engine(settings.engine, settings.variant), settings, progress, cancel)
 
 

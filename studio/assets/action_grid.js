@@ -29,7 +29,7 @@ export function render(part) {
   }
   const heard = model.noun === "action" ? {"motionloom:browse": onBrowse, "motionloom:search": onSearch} : {}
   mount(part, [title, shelves, h("div", {class: "scroll"}, grid, empty)], heard)
-  watch(model, ["actions", "value"], draw)
+  watch(model, ["actions", "value", "adds"], draw)
 }
 function card(model, {name, description, picture}, reachable, forget) {
   const view = h("span", {class: "picture"})
@@ -38,6 +38,8 @@ function card(model, {name, description, picture}, reachable, forget) {
   if (picture) view.classList.add("strip")
   return h("button", {
     type: "button", role: "option", class: "action", "data-key": name, "aria-selected": String(name === model.value), tabindex: reachable ? "0" : "-1", title: description,
-    onclick: () => { model.value = name; forget() }, ondblclick: () => model.send_msg({do: "generate"}),
+    onclick: () => { if (model.adds) model.send_msg({do: "add", what: name}); else model.value = name; forget() },
+    ondblclick: () => { if (!model.adds) model.send_msg({do: "generate"}) },
+    draggable: model.adds ? "true" : null, ondragstart: (event) => event.dataTransfer.setData("application/x-motionloom-block", JSON.stringify({what: name})),
   }, view, h("span", {class: "words"}, name))
 }

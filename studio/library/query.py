@@ -101,7 +101,8 @@ def described(take: Take) -> dict[str, str]:
         "style": folded(made.style if made else ""),
         "engine": folded(made.engine if made else ""),
     }
-    words = filter(None, [folded(take.title), folded(take.source), *told.values()])
+    blocks = [folded(block.what) for block in made.sequence.blocks] if made else []
+    words = filter(None, [folded(take.title), folded(take.source), *told.values(), *blocks])
     return {**told, "words": " · ".join(dict.fromkeys(words))}
 
 

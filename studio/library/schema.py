@@ -28,7 +28,7 @@ from sqlalchemy import (
     update,
 )  # fmt: skip
 
-VERSION = 2
+VERSION = 3
 """Version of the schema written; later ones are refused, earlier ones brought forward."""
 
 tables = MetaData()
@@ -54,6 +54,7 @@ projects = Table(
     Column("numbers", Integer, nullable=False, comment="Highest number a take of it ever had."),
     Column("revision", Integer, nullable=False, comment="Grows with every write."),
     Column("body", Text, comment="JSON: the body its takes are shown with, and its shape; empty: as it comes."),
+    Column("sequence", Text, comment="JSON: the blocks on its timeline; empty: none."),
 )
 
 motions = Table(
@@ -107,7 +108,11 @@ def _add_body(connection: Connection) -> None:
     connection.exec_driver_sql("alter table projects add column body text")
 
 
-MIGRATIONS: dict[int, Callable[[Connection], None]] = {1: _add_body}
+def _add_sequence(connection: Connection) -> None:
+    connection.exec_driver_sql("alter table projects add column sequence text")
+
+
+MIGRATIONS: dict[int, Callable[[Connection], None]] = {1: _add_body, 2: _add_sequence}
 """Version -> what brings a database of it to the next one."""
 
 

@@ -68,6 +68,11 @@ class Shelf:
         return self._mirror.body
 
     @property
+    def sequence(self) -> Mapping[str, Any]:
+        """The blocks on the timeline."""
+        return self._mirror.sequence
+
+    @property
     def undo_name(self) -> str:
         """What the next undo takes back."""
         return self._mirror.undo_name
@@ -185,6 +190,7 @@ class Shelf:
             (mirror.undone if row.undone else mirror.done).append(rows.to_step(row))
         mirror.undone.reverse()
         mirror.body = json.loads(project.body) if project.body else {}
+        mirror.sequence = json.loads(project.sequence) if project.sequence else {}
         self._mirror, self._revision = mirror, project.revision
 
     def _take(self, row, known: Take | None) -> Take:

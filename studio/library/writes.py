@@ -10,7 +10,7 @@ from typing import Any
 from sqlalchemy import Connection, Row, delete, insert, select, update
 
 from studio.library import rows, schema
-from studio.takes import BODY, PROJECT, UNDO_STEPS, Step, Take
+from studio.takes import PROJECT, UNDO_STEPS, Step, Take
 
 _takes, _steps, _projects = schema.takes.c, schema.steps.c, schema.projects.c
 
@@ -86,8 +86,8 @@ def grow(connection: Connection, before: Row[Any], numbers: int) -> int:
 def _apply(connection: Connection, key: str, step: Step, after: bool) -> None:
     for change in step.changes:
         if change.number == PROJECT:
-            body = json.dumps(dict(change.fields[BODY][after]), ensure_ascii=False)
-            connection.execute(update(schema.projects).where(_projects.key == key).values(body=body))
+            told = {name: json.dumps(pair[after], ensure_ascii=False) for name, pair in change.fields.items()}
+            connection.execute(update(schema.projects).where(_projects.key == key).values(**told))
             continue
         values = rows.columns({name: pair[after] for name, pair in change.fields.items()})
         mine = (_takes.project == key) & (_takes.number == change.number)

@@ -29,6 +29,7 @@ from studio.views.parts import (
     Segments,
     Upload,
 )  # fmt: skip
+from studio.views.sequence import sequence_form
 from studio.views.style import style_form
 from studio.views.vary import vary
 from studio.wording import counted
@@ -53,7 +54,8 @@ def compose_tabs(session: Session) -> Segments:
         words = [("text", "Text")] if "text" in state.capabilities else []
         styles = [("style", "Style")] if session.styling.state.engine else []
         variations = [("vary", "Vary")] if state.capabilities & VARIES else []
-        return {"options": [("action", "Action"), *words, *styles, *variations, ("import", "Import")]}
+        first, last = [("action", "Action"), *words, ("sequence", "Sequence")], ("import", "Import")
+        return {"options": [*first, *styles, *variations, last]}
 
     follow(tabs, state, ["capabilities"], kinds)
     return tabs
@@ -76,7 +78,7 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
 
     state.param.watch(show, "compose_tab")
     show()
-    return column(asked, styled, varied, files, gap=0)
+    return column(asked, sequence_form(session), styled, varied, files, gap=0)
 
 
 def _prompt(session: Session) -> Prompt:
@@ -180,8 +182,13 @@ def action_grid(session: Session) -> ActionGrid:
         return {"actions": [_entry(action) for action in state.actions]}
 
     follow(grid, state, ["actions"], show)
-    follow(grid, state, ["compose_tab"], lambda: {"visible": state.compose_tab == "action"})
+
+    def place() -> dict[str, Any]:
+        return {"visible": state.compose_tab in ("action", "sequence"), "adds": state.compose_tab == "sequence"}
+
+    follow(grid, state, ["compose_tab"], place)
     grid.on("generate", lambda _: session.generate())
+    grid.on("add", session.arranging.act)
     return grid
 
 
@@ -275,11 +282,11 @@ def generate_button(session: Session) -> Generate:
     def show() -> dict[str, Any]:
         # an unknown action is named under its own field; here only what else stands in the way
         named = state.request == "action" and bool(state.nearest_actions())
-        label = f"Generate {counted(state.count, 'take')}"
+        label = "Make the sequence" if state.request == "sequence" else f"Generate {counted(state.count, 'take')}"
         return {"problem": state.problem(), "forecast": state.forecast(), "named": named, "label": label}
 
-    follow(button, state, asked + known, show)
-    follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab in ("action", "text")})
+    follow(button, state, [*asked, *known, "sequence"], show)
+    follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab in ("action", "text", "sequence")})
     button.on("generate", lambda _: session.generate())
     button.on("cancel", lambda _: session.cancel_generate())
     return button

@@ -170,6 +170,18 @@ class Vary(Part):
     _stylesheets = _style("vary")
 
 
+class Sequence(Part):
+    """Blocks for the timeline."""
+
+    take = param.String("", doc="Title of the picked take; empty: none.")
+    words = param.Boolean(False, doc="The engine reads descriptions.")
+    blocks = param.Integer(0)
+    about = param.String("")
+    error = param.String("")
+    _esm = _script("sequence")
+    _stylesheets = _style("sequence")
+
+
 class DrawMap(Part):
     """Many draws as points; a place among them is chosen and kept."""
 
@@ -198,6 +210,7 @@ class ActionGrid(Part):
     noun = param.String("action")
     actions = param.List([], doc="Dicts: name, description, group, picture (address or empty).")
     value = param.String("")
+    adds = param.Boolean(False, doc="A press puts a block on the timeline, and cards can be dragged there.")
     _esm = _script("action_grid")
     _stylesheets = _style("action_grid")
 

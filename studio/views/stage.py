@@ -16,6 +16,7 @@ from studio.settings import EDITS
 from studio.views.binding import follow, tie
 from studio.views.forms import html
 from studio.views.parts import StageBar
+from studio.views.sequence import tie_timeline
 
 
 def stage(session: Session) -> pn.Column:
@@ -103,6 +104,7 @@ class _Stage:
         player.param.watch(self._moved, ["frame", "playing"])
         player.param.watch(self._drawn, "drawn")
         player.param.watch(self._edited, "edits")
+        tie_timeline(player, self.session)
         return player
 
     def _dress(self, *_: Any) -> None:

@@ -95,6 +95,7 @@ def test_a_library_of_version_1_gets_a_place_for_the_body(tmp_path):
     library.close()
     with sqlite3.connect(file) as connection:
         connection.execute("alter table projects drop column body")
+        connection.execute("alter table projects drop column sequence")
         connection.execute("update library set version = 1")
     again = open_library(str(file))
     assert again.shelf(key).body == {}

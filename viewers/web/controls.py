@@ -87,6 +87,7 @@ class Controls:
         "outcome comes in `drawn`. A path puts the tool down, Escape does too.",
         ("none", "path", "joint"),
     )
+    block: str = option("", "Id of the picked block of `sequence`.")
     controls: str = option("full", "How much there is around the stage.", ("full", "minimal", "none"))
     sync_url: bool = option(False, "Keep the frame in the page's address (#frame=52), and start from it.")
     global_keys: bool = option(False, "Keys work anywhere on the page, not only while the player has the focus.")
@@ -103,13 +104,24 @@ class Controls:
         "Shown beside the picked figure and on the ruler: `path` [[x, z]], `poses` [{frame, rotations (J * 4 wxyz), "
         "root}], `joints` [{joint, frame, place}], `stretches` [[start, end)]; frames at the rate `fps`.",
     )
+    sequence: dict[str, Any] = option(
+        {},
+        "Blocks to arrange, in place of the timeline: `blocks` [{id, kind, what, seconds, style, seed, transition, "
+        "locked, engine, made}], what they may be (`actions`, `styles`, `engines`, `words`), `error`, and `heard`, a "
+        "number that grows with everything that `arranged` brought. Empty: the plain timeline.",
+    )
+    arranged: dict[str, Any] = option(
+        {},
+        "Set by the browser: what was done to the blocks last. `{'do': 'add' | 'move' | 'change' | 'split' | 'remove' "
+        "| 'duplicate' | 'lock' | 'renew', 'id': block, ...}`; whoever watches it changes `sequence`.",
+    )
     body_data: bytes = option(b"", "The body, encoded; see `payload`.")
     take_data: bytes = option(b"", "The motions, encoded; see `payload`.")
 
 
 OPTIONS: dict[str, Option] = {name: value for name, value in vars(Controls).items() if isinstance(value, Option)}
-FROM_BROWSER = ("ready", "error", "drawn")
-PAYLOADS = ("body_data", "take_data", "pinned")
+FROM_BROWSER = ("ready", "error", "drawn", "arranged")
+PAYLOADS = ("body_data", "take_data", "pinned", "sequence")
 
 
 class Player(Controls):

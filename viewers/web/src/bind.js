@@ -30,6 +30,7 @@ export function bind(model, player) {
   on("frame", () => receiveFrame(player, model.get("frame")));
   on("body_data", () => player.setBody(model.get("body_data")));
   on("pinned", () => player.setPins(model.get("pinned")));
+  on("sequence", () => player.setSequence(model.get("sequence")));
   on("take_data", () => player.setTakes(model.get("take_data")));
   undo.push(sendBack(model, player, send));
   return () => undo.forEach((step) => step());
@@ -43,6 +44,7 @@ function receiveAll(model, player) {
   }
   player.setTakes(model.get("take_data"));
   player.setPins(model.get("pinned"));
+  player.setSequence(model.get("sequence"));
   player.set("selection", model.get("selection") ?? []);
   player.seek(model.get("frame") ?? 0);
   player.set("playing", model.get("playing") ?? false);
@@ -72,12 +74,15 @@ function sendBack(model, player, send) {
   const onOption = ({ detail: { name, value } }) => send({ [name]: value });
   // told apart by their time, or the same line drawn twice would be no change
   const onDrawn = ({ detail }) => send({ drawn: { ...detail, time: Date.now() } });
+  const onArranged = ({ detail }) => send({ arranged: { ...detail, time: performance.now() } });
   player.addEventListener("drawn", onDrawn);
+  player.addEventListener("arranged", onArranged);
   player.addEventListener("tick", onTick);
   player.addEventListener("settle", sendFrame);
   player.addEventListener("option", onOption);
   return () => {
     player.removeEventListener("drawn", onDrawn);
+    player.removeEventListener("arranged", onArranged);
     player.removeEventListener("tick", onTick);
     player.removeEventListener("settle", sendFrame);
     player.removeEventListener("option", onOption);

@@ -1,6 +1,7 @@
 // Onion skin: the same figure every k frames, fading with distance in time from the playhead.
 import { Group, Vector3 } from "three";
 import { Bones } from "./bones.js";
+import { tintAt, tintsOf } from "./hues.js";
 import { Pose } from "./pose.js";
 import { Skin, depthMaterial, dyeBody, ghostMaterial } from "./skin.js";
 
@@ -21,6 +22,7 @@ export class Ghosts {
     this.take = take;
     this.body = body;
     this.pose = new Pose(take.skeleton);
+    this.tints = tintsOf(take);
     this.pool = [];
     this.object = new Group();
     this.shown = "";
@@ -38,7 +40,7 @@ export class Ghosts {
       this.pool.forEach((ghost) => ghost.hide());
       frames.forEach((at, i) => {
         const ghost = (this.pool[i] ??= this.#make());
-        ghost.show(this.pose.sample(this.take, at, { mirror, inPlace }), style, this.take.colour, theme);
+        ghost.show(this.pose.sample(this.take, at, { mirror, inPlace }), style, this.take.colour, theme, tintAt(this.tints, at));
       });
     }
     frames.forEach((at, i) => this.pool[i].fade(fading(frame - at, every)));
@@ -85,17 +87,18 @@ export class Ghost {
     }
   }
 
-  show(pose, style, css, theme) {
+  /** In a pose; `tint` is the colour of what is done there, if a take does several things. */
+  show(pose, style, css, theme, tint = null) {
     this.object.visible = true;
     this.root.fromArray(pose.places);
     if (this.skin) this.depth.visible = this.colour.visible = style === "body";
     if (style === "body") {
       this.skin.wear(pose);
-      dyeBody(this.material, theme.ghost, theme);
+      dyeBody(this.material, tint ?? theme.ghost, theme);
     } else {
       if (!this.bones) this.object.add((this.bones = new Bones(this.take.skeleton)).object);
       this.bones.wear(pose);
-      this.bones.paint(css, theme.joint);
+      this.bones.paint(tint ?? css, theme.joint);
     }
     if (this.bones) this.bones.object.visible = style === "skeleton";
   }

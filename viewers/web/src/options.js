@@ -32,6 +32,7 @@ export const OPTIONS = {
   spacing: number(1.2, 0, 20),
   controls: oneOf("full", "minimal", "none"),
   tool: oneOf("none", "path", "joint"),
+  block: text(""),
   playing: flag(false),
   speed: number(1, SPEED.min, SPEED.max),
   loop: { ...oneOf(...LOOPS), fallback: "all" },

@@ -20,7 +20,8 @@ const CROWD = 4; // more figures than this are drawn with the coarser mesh
 /**
  * Events (addEventListener): "option" {name, value} when an option changed by itself or by hand,
  * "tick" for every picture, "settle" when a still frame was reached (pause, step, end of scrubbing), "takes",
- * "pins" when what is pinned changed, "drawn" {kind: "path" | "joint", ...} when the tool in hand drew something.
+ * "pins" when what is pinned changed, "drawn" {kind: "path" | "joint", ...} when the tool in hand drew something,
+ * "sequence" when the blocks to arrange changed, "arranged" {do, id, ...} when a person did something to them.
  */
 export class MotionPlayer extends EventTarget {
   constructor(canvas) {
@@ -28,6 +29,7 @@ export class MotionPlayer extends EventTarget {
     this.options = defaults();
     this.clock = new Clock();
     this.actors = [];
+    this.sequence = {};
     this.body = null;
     this.geometry = null;
     this.hovered = -1;
@@ -87,6 +89,17 @@ export class MotionPlayer extends EventTarget {
     this.pins.set(data ?? {}, skeleton, this.geometry);
     this.stage.invalidate();
     this.#announce("pins");
+  }
+
+  /** Blocks to arrange in place of the timeline: see `sequence` in controls.py; none where it is empty. */
+  setSequence(data) {
+    this.sequence = data ?? {};
+    this.#announce("sequence");
+  }
+
+  /** Reports what a person did to the blocks. */
+  arrange(detail) {
+    this.dispatchEvent(new CustomEvent("arranged", { detail }));
   }
 
   /** New size of the stage, in CSS pixels; the first one also frames what there is. */

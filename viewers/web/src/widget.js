@@ -2,6 +2,8 @@
 import { MotionPlayer } from "./player.js";
 import { resolveTheme } from "./theme.js";
 import css from "./style.css";
+import { Sequencer } from "./timeline/sequencer.js";
+import sequencerCss from "./timeline/sequencer.css";
 import { h } from "./ui/dom.js";
 import { Help } from "./ui/help.js";
 import { listenToKeys } from "./ui/keys.js";
@@ -21,7 +23,7 @@ export class Widget {
     this.status = h("div", { class: "status", role: "status", "aria-live": "polite" });
     this.view = h("div", { class: "stage" }, this.canvas);
     this.frame = h("div", { class: "player", role: "region", "aria-label": "Motion player" }, this.view, this.status);
-    this.root.append(h("style", {}, css), this.frame);
+    this.root.append(h("style", {}, css, sequencerCss), this.frame);
     el.append(this.host);
     this.undo = [() => this.host.remove()];
     this.paint(resolveTheme(theme));
@@ -38,10 +40,11 @@ export class Widget {
     this.names = new Names(this.player);
     this.transport = new Transport(this.player, commands);
     this.timeline = new Timeline(this.player);
+    this.sequencer = new Sequencer(this.player);
     this.hint = new ToolHint(this.player);
-    this.view.append(this.names.element, this.toolbar.element, this.hint.element);
-    this.frame.append(this.transport.element, this.timeline.element, this.help.element);
-    this.undo.unshift(() => this.timeline.dispose());
+    this.view.append(this.names.element, this.toolbar.element, this.sequencer.plan.element, this.hint.element);
+    this.frame.append(this.transport.element, this.timeline.element, this.sequencer.element, this.help.element);
+    this.undo.unshift(() => this.timeline.dispose(), () => this.sequencer.dispose());
     this.#listen();
     this.#pointer();
     this.player.resize(this.view.clientWidth, this.view.clientHeight);
@@ -63,10 +66,12 @@ export class Widget {
       this.names.rebuild();
       this.timeline.rebuild();
       for (const part of [this.toolbar, this.transport]) part.refresh(); // they name the figures
+      this.sequencer.refresh();
       this.canvas.setAttribute("aria-label", this.#inWords());
     });
+    player.addEventListener("sequence", () => { this.timeline.element.hidden = this.sequencer.shown; });
     player.addEventListener("tick", () => {
-      for (const part of [this.names, this.toolbar, this.transport, this.timeline]) part.tick();
+      for (const part of [this.names, this.toolbar, this.transport, this.timeline, this.sequencer]) part.tick();
     });
   }
 
@@ -74,7 +79,7 @@ export class Widget {
     const { player } = this;
     this.paint(player.themeName);
     this.frame.dataset.controls = player.options.controls;
-    for (const part of [this.names, this.toolbar, this.hint, this.transport, this.timeline]) part.refresh();
+    for (const part of [this.names, this.toolbar, this.hint, this.transport, this.timeline, this.sequencer]) part.refresh();
   }
 
   paint(theme) {

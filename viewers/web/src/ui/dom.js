@@ -25,6 +25,14 @@ const PATHS = {
   frame: '<path d="M4 9V5.5A1.5 1.5 0 0 1 5.5 4H9M15 4h3.5A1.5 1.5 0 0 1 20 5.5V9M20 15v3.5a1.5 1.5 0 0 1-1.5 1.5H15M9 20H5.5A1.5 1.5 0 0 1 4 18.5V15"/><circle cx="12" cy="12" r="2.2"/>',
   follow: '<circle cx="12" cy="12" r="5.5"/><path d="M12 3v4M12 17v4M3 12h4M17 12h4"/>',
   close: '<path d="M6 6l12 12M18 6L6 18"/>',
+  pen: '<path d="M5 19l1-4L16.500 4.500l3 3L9 18zM14.500 6.500l3 3"/>',
+  again: '<path d="M20 5v5h-5M19.500 10A8 8 0 1 0 20 14"/>',
+  split: '<path d="M12 3v18M9 7H4v10h5M15 7h5v10h-5"/>',
+  copy: '<path d="M9 9h11v11H9zM5 15H4V4h11v1"/>',
+  lock: '<path d="M6.500 11h11v9h-11zM8.500 11V8a3.500 3.500 0 0 1 7 0v3"/>',
+  trash: '<path d="M4 7h16M9.500 7V4.500h5V7M6.500 7l1 13h9l1-13M10 11v5M14 11v5"/>',
+  plus: '<path d="M12 5v14M5 12h14"/>',
+  minus: '<path d="M5 12h14"/>',
 };
 
 export function icon(name) {

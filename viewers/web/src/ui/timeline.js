@@ -1,9 +1,9 @@
 // The strip under the transport: ruler with playhead (the scrub bar), label blocks, feet on the ground.
 import { readable } from "../clock.js";
 import { inContact } from "../payload.js";
+import { labelHues } from "../hues.js";
 import { h } from "./dom.js";
 
-const HUES = ["#e8a33d", "#58b98b", "#b07be0", "#5b9dff", "#e4776d", "#3fb9c4", "#d6c150", "#dd7fb4"];
 const LANES = [["action", ["action", "transition"]], ["text", ["text"]], ["style", ["style"]]];
 const STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600];
 const TICK_ROOM = 64; // pixels between numbered ticks
@@ -39,10 +39,7 @@ export class Timeline {
   }
 
   #labelLanes() {
-    const hues = new Map();
-    for (const { kind, value } of this.take.labels) {
-      if (kind !== "transition" && !hues.has(value)) hues.set(value, HUES[hues.size % HUES.length]);
-    }
+    const hues = labelHues(this.take.labels);
     return LANES.map(([name, kinds], i) => {
       const segments = this.take.labels.filter(({ kind }) => kinds.includes(kind));
       if (!segments.length) return null;
@@ -232,8 +229,8 @@ function drawPins(context, { poses, stretches, joints, fps }, x, height) {
   }
 }
 
-// Calls `move` until the pointer is let go, then `done`.
-function follow(handle, move, done) {
+/** Calls `move` until the pointer is let go, then `done`. */
+export function follow(handle, move, done) {
   const stop = () => {
     handle.removeEventListener("pointermove", move);
     done();
@@ -257,8 +254,8 @@ export function spans(take, joints) {
   return found;
 }
 
-// Sizes a canvas to its box in device pixels and clears it.
-function prepare(canvas) {
+/** Sizes a canvas to its box in device pixels and clears it. */
+export function prepare(canvas) {
   const { clientWidth: width, clientHeight: height } = canvas;
   const ratio = Math.min(globalThis.devicePixelRatio || 1, 3);
   canvas.width = Math.round(width * ratio);
