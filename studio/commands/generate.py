@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -18,45 +17,43 @@ from studio.commands.console import (
     WidthOption,
     parse_factors,
     parse_formats,
-    progress_bar,
     settings_from,
 )  # fmt: skip
+from studio.commands.making import (
+    CountOption,
+    FormatsOption,
+    OutOption,
+    SaveSettingsOption,
+    SeedOption,
+    StyleOption,
+    TakeOption,
+    VariantOption,
+    destination,
+    make_and_write,
+)  # fmt: skip
 from studio.commands.pins import FPS, parse_pins
-from studio.settings import (
-    FORMATS,
-    VIDEO_FORMATS,
-    ExportSettings,
-    GenerateSettings,
-    Settings,
-    ending,
-    format_of,
-    write_settings,
-)
+from studio.settings import GenerateSettings, write_settings
 
 
 def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     action: Annotated[
         str | None, typer.Argument(metavar="ACTION", help="What the person does: walk, jump, ...")
     ] = None,
-    count: Annotated[int | None, typer.Option("--count", "-n", metavar="N", help="How many motions to draw.")] = None,
+    count: CountOption = None,
     frames: Annotated[int | None, typer.Option(metavar="N", help="Length of each, frames (20 a second).")] = None,
-    seed: Annotated[int | None, typer.Option(metavar="N", help="Same seed and settings: identical motions.")] = None,
-    take: Annotated[int | None, typer.Option(metavar="N", help="Keep only the N-th of the draw.")] = None,
-    out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="PATH", help="Folder; or, for one motion, a file such as walk.mp4.")
-    ] = Path(),
-    formats: Annotated[
-        str | None, typer.Option("--format", "-f", metavar="LIST", help="Comma between: bvh, npz, amass, mp4, gif.")
-    ] = None,
+    seed: SeedOption = None,
+    take: TakeOption = None,
+    out: OutOption = Path(),
+    formats: FormatsOption = None,
     settings: SettingsOption = None,
-    save_settings: Annotated[Path | None, typer.Option(metavar="FILE", help="Also save the settings used.")] = None,
+    save_settings: SaveSettingsOption = None,
     engine: Annotated[str | None, typer.Option(metavar="NAME", help="Engine; `motionloom info` lists them.")] = None,
-    variant: Annotated[str | None, typer.Option(metavar="NAME", help="Variant of the engine.")] = None,
+    variant: VariantOption = None,
     bone_scale: Annotated[
         list[str] | None, typer.Option(metavar="JOINT=FACTOR", help="Longer or shorter bones; may be repeated.")
     ] = None,
     prompt: Annotated[str | None, typer.Option(metavar="TEXT", help="What is to be seen, in words.")] = None,
-    style: Annotated[str | None, typer.Option(metavar="NAME", help="In which manner; `info ENGINE` lists.")] = None,
+    style: StyleOption = None,
     guidance: Annotated[
         float | None, typer.Option(metavar="X", help="How closely the request is followed, 0-10.")
     ] = None,
@@ -113,8 +110,8 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         raise typer.BadParameter("give an ACTION, --prompt or --settings FILE; --list-actions shows what is known")
     wanted = wanted.changed(constraints=parse_pins(path, begin_with, pose, loop, wanted.generate.constraints))
     _fits(wanted.generate)
-    wanted, folder, name = _destination(wanted, out, one_by_default=count is None and settings is None)
-    _generate_and_write(wanted, folder, name)
+    wanted, folder, name = destination(wanted, out, one_by_default=count is None and settings is None)
+    make_and_write(wanted, folder, name)
     if save_settings is not None:
         typer.echo(write_settings(wanted, save_settings))
 
@@ -130,51 +127,11 @@ def parse_then(items: list[str] | None) -> tuple[tuple[str, int], ...] | None:
     return tuple(parts) or None
 
 
-def _destination(wanted: Settings, out: Path, one_by_default: bool) -> tuple[Settings, Path, str | None]:
-    """`-o walk.mp4` names one file and its format; anything else is a folder."""
-    if not out.suffix or out.is_dir():
-        return wanted, out, None
-    kind = format_of(out)
-    if kind is None:
-        raise OutOfRangeError("--out", str(out), f"a folder, or a file ending in {', '.join(map(ending, FORMATS))}")
-    recipe = replace(wanted.generate, count=1) if one_by_default else wanted.generate
-    if recipe.count > 1 and recipe.take is None:
-        raise OutOfRangeError("--out", str(out), f"a folder for {recipe.count} motions, or --take to keep one of them")
-    name = out.name[: -len(ending(kind))]
-    return Settings(recipe, replace(wanted.export, formats=(kind,))), out.parent, name
-
-
 def _fits(recipe: GenerateSettings) -> None:
     """Is what is pinned within the motion?"""
     problem = recipe.constraints.problem(recipe.frames, FPS)
     if problem:
         raise MotionloomError(problem[:1].lower() + problem[1:])
-
-
-def _generate_and_write(wanted: Settings, folder: Path, name: str | None) -> None:
-    from studio import tasks
-
-    recipe = wanted.generate
-    with progress_bar(f"generate {recipe.subject[:60]}") as progress:
-        motions = tasks.generate(recipe, progress)
-    for sentence in dict.fromkeys(sentence for motion in motions for sentence in tasks.unmet(motion)):
-        typer.echo(f"not met: {sentence}", err=True)
-    folder.mkdir(parents=True, exist_ok=True)
-    first = recipe.take or 1
-    for place, motion in enumerate(motions, first):
-        stem = name or f"{tasks.slug(recipe.subject)}-seed{recipe.seed}-{place}"
-        for kind in wanted.export.formats:
-            _write(motion, folder / f"{stem}{ending(kind)}", wanted.export)
-
-
-def _write(motion, path: Path, how: ExportSettings) -> None:
-    from studio import tasks
-
-    if format_of(path) in VIDEO_FORMATS:
-        with progress_bar(path.name) as progress:
-            typer.echo(tasks.export(motion, path, how, progress))
-    else:
-        typer.echo(tasks.export(motion, path, how))
 
 
 def _print_actions(recipe: GenerateSettings) -> None:

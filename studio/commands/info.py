@@ -24,8 +24,9 @@ def info(
     motionloom info walk.bvh
     """
     import engines
+    from engines import registry
 
-    known = engines.available()
+    known = {**engines.available(), **registry.stylisers()}
     if what is None:
         for name, line in known.items():
             typer.echo(f"{name:<16}{line}")
@@ -46,16 +47,17 @@ def _engine(name: str) -> None:
     from studio import tasks
 
     engine = tasks.load_engine(name)
-    styles = list(getattr(engine, "styles", ()))
+    actions, styles = ([*getattr(engine, name, ())] for name in ("actions", "styles"))
+    longest = f", up to {engine.max_frames:,} frames" if hasattr(engine, "max_frames") else ""
     _table(
         {
             "engine": engine.name,
             "variant": engine.variant,
             "description": engine.description,
             "capabilities": ", ".join(sorted(engine.capabilities)),
-            "actions": f"{len(engine.actions)}: {', '.join(a.name for a in engine.actions)}",
+            **({"actions": f"{len(actions)}: {', '.join(a.name for a in actions)}"} if actions else {}),
             **({"styles": f"{len(styles)}: {', '.join(styles)}"} if styles else {}),
-            "rate": f"{engine.fps:g} frames a second, up to {engine.max_frames:,} frames",
+            "rate": f"{engine.fps:g} frames a second{longest}",
             "weights": engine.weights_hash,
             "licence": engine.licence,
         }

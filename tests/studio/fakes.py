@@ -118,7 +118,7 @@ class FakeStyliser:
     def __init__(self) -> None:
         self.calls: list[dict] = []
 
-    def stylise(self, motion, style=None, *, like=None, strength=1.0, count=1, seed=0):  # noqa: PLR0913
+    def stylise(self, motion, style=None, *, like=None, strength=1.0, count=1, seed=0):
         self.calls.append({"frames": len(motion), "style": style, "like": like and len(like), "strength": strength,
                            "count": count, "seed": seed})  # fmt: skip
         if style is not None and style not in self.styles:
@@ -137,7 +137,7 @@ class FakeStyliser:
         angles = 2 * np.arcsin(a[0] + (b[0] - a[0]) * np.linspace(0, 1, steps))
         return [self._raised(motion, None, float(angle), 0, i) for i, angle in enumerate(angles)]
 
-    def _raised(self, motion: Motion, style: str | None, angle: float, seed: int, index: int) -> Motion:  # noqa: PLR0917
+    def _raised(self, motion: Motion, style: str | None, angle: float, seed: int, index: int) -> Motion:
         house = motion.retarget(SMPL22).resample(self.fps)
         turns = house.rotations.copy()
         for joint, side in (("left_collar", 1), ("right_collar", -1)):
