@@ -1,0 +1,147 @@
+"""A sequence made: what is asked again after a change, seams, labels, memory."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from engines.errors import Cancelled, MotionloomError
+from studio import sequencing, tasks
+from studio.sequence import Block, Sequence
+from studio.settings import GenerateSettings
+from tests.studio.fakes import FakeEngine, sway
+
+
+@pytest.fixture(autouse=True)
+def nothing_at_hand():
+    sequencing.at_hand.clear()
+    yield
+    sequencing.at_hand.clear()
+
+
+def asked(*blocks: Block, **more) -> GenerateSettings:
+    return GenerateSettings(**{"engine": "fake", "action": "", "count": 1, "sequence": Sequence(blocks), **more})
+
+
+THREE = (Block("walk", seconds=2.0), Block("run", seconds=1.5, transition=0.5), Block("jump", transition=0.0))
+
+
+def test_one_motion_under_the_labels_of_its_blocks(engine):
+    (made,) = tasks.generate(asked(*THREE))
+    assert len(made) == 40 + 10 + 30 + 60
+    assert [(s.start, s.end, s.kind, s.value) for s in made.labels] == [
+        (0, 40, "action", "walk"), (40, 50, "transition", "walk > run"), (50, 80, "action", "run"),
+        (80, 140, "action", "jump"),
+    ]  # fmt: skip
+    assert made.provenance.source == "fake"
+    np.testing.assert_allclose(made.positions[0, 0, [0, 2]], 0, atol=1e-9)
+    steps = np.linalg.norm(np.diff(made.positions[:, 0], axis=0), axis=-1) * made.fps
+    assert steps.max() < 2.2, "nobody jumps over the floor at a seam"
+    turned = np.degrees(np.abs(np.diff(np.unwrap(made.heading))))
+    assert turned.max() < 10
+
+
+def test_blocks_are_as_a_take_of_them_alone_would_be(engine):
+    (alone,) = tasks.generate(GenerateSettings(engine="fake", action="run", frames=30, seed=7, count=1))
+    (made,) = tasks.generate(asked(*THREE))
+    np.testing.assert_allclose(made[50:80].rotations[:, 1:], alone.rotations[:, 1:], atol=1e-9)
+
+
+def test_only_what_a_change_touches_is_made_again(engine):
+    tasks.generate(asked(*THREE))
+    assert [call["action"] for call in engine.calls] == ["walk", "run", "jump"]
+    tasks.generate(asked(*THREE))
+    changed = Sequence(THREE).changed("2", seed=11)
+    tasks.generate(asked(*changed.blocks))
+    tasks.generate(asked(*changed.moved("3", 0).blocks))
+    assert [(call["action"], call["seed"]) for call in engine.calls[3:]] == [("run", 11)]
+
+
+def test_draws_differ_but_for_what_is_locked(engine):
+    blocks = Sequence(THREE).changed("2", locked=True).blocks
+    tasks.generate(asked(*blocks, count=3))
+    assert sorted({(call["action"], call["seed"]) for call in engine.calls}) == [
+        ("jump", 7), ("jump", 8), ("jump", 9), ("run", 7), ("walk", 7), ("walk", 8), ("walk", 9),
+    ]  # fmt: skip
+    sequencing.at_hand.clear()
+    engine.calls.clear()
+    (third,) = tasks.generate(asked(*blocks, count=3, take=3))
+    assert {call["seed"] for call in engine.calls} == {7, 9}
+    assert third.provenance.index == 2
+
+
+def test_a_clip_is_shown_as_it_is_turned_to_where_the_sequence_goes(engine):
+    clip = sway(frames=30, seed=5).moved((9.0, 0.0, 4.0), 2.0)
+    (made,) = tasks.generate(asked(THREE[0], Block.of(clip, "take 9")))
+    np.testing.assert_allclose(made[52:].rotations[:, 1:], clip.rotations[:, 1:], atol=2e-6)
+    assert made.label_at(60) == "take 9"
+    assert made.positions[-1, 0, 2] > made.positions[40, 0, 2] > 1.0, "on along +Z"
+
+
+def test_what_no_engine_can_make_is_said_with_the_block(engine):
+    with pytest.raises(MotionloomError, match="block 2: unknown action 'wlak'; did you mean 'walk'"):
+        tasks.generate(asked(Block("walk"), Block("wlak")))
+    with pytest.raises(MotionloomError, match="block 1: fake takes no prompt"):
+        tasks.generate(asked(Block("somebody waves", "prompt")))
+    assert not engine.calls, "nothing is made before all is known to be possible"
+
+
+def test_progress_and_cancel(engine):
+    told: list[tuple[int, int | None]] = []
+    tasks.generate(asked(*THREE), lambda done, total: told.append((done, total)))
+    assert [done for done, _ in told] == [1, 1, 2, 3]
+    assert {total for _, total in told} == {3}
+    with pytest.raises(Cancelled):
+        tasks.generate(asked(*THREE), cancel=lambda: True)
+
+
+def test_ten_minutes_stream_in_the_memory_of_one(engine, monkeypatch):
+    monkeypatch.setattr(sequencing, "at_hand", sequencing._AtHand(600))
+
+    def peak(blocks: int) -> int:
+        engine.calls.clear()
+        many = asked(*(Block("walk", seconds=5.4, seed=i) for i in range(blocks)))
+        tracemalloc.start()
+        frames = sum(len(part) for part in sequencing.pieces(many))
+        size = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert frames == blocks * 108 + (blocks - 1) * 12
+        return size
+
+    peak(3)  # what is loaded once
+    short, long = peak(10), peak(100)
+    assert long < 1.2 * short + 200_000
+
+
+class Between(FakeEngine):
+    """Makes what lies between: a body that stands still where it is asked to begin."""
+
+    capabilities = FakeEngine.capabilities | {"constraints"}
+
+    def generate_many(self, action, count=4, frames=60, seed=0, progress=None, cancel=None, **extra):  # noqa: PLR0917
+        pinned = extra.get("constraints")
+        if pinned is None:
+            return super().generate_many(action, count, frames, seed, progress, cancel, **extra)
+        self.calls.append(
+            {"action": action, "frames": frames, "kept": [(keep.at, len(keep.motion)) for keep in pinned.kept]}
+        )
+        start = pinned.kept[0].motion
+        return [
+            start.replaced(
+                rotations=start.rotations[:1].repeat(frames, 0), translation=start.translation[:1].repeat(frames, 0)
+            )
+        ]
+
+
+def test_a_transition_is_asked_of_an_engine_that_is_told_both_ends(monkeypatch):
+    fake = Between()
+    monkeypatch.setattr(tasks, "load_engine", lambda _name, _variant="": fake)
+    (made,) = tasks.generate(asked(*THREE[:2]))
+    assert fake.calls[-1] == {"action": None, "frames": 50, "kept": [(0, 20), (30, 20)]}
+    pose, ends = made.rotations, (39, 49)
+    for a in ends:  # what the engine made of it does not begin or end where the blocks do; the seams are closed
+        assert np.abs(pose[a + 1] - pose[a]).max() < 0.2
+    tasks.generate(asked(*THREE[:2]))
+    assert len(fake.calls) == 3, "the transition is kept as well"
