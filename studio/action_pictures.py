@@ -25,7 +25,8 @@ FRAMES = 16
 SIZE = 112
 """Pixels a side; shown at half of that, for dense screens."""
 FOLDER = Path(__file__).resolve().parent / "assets" / "actions"
-_DRAWS = 8
+DRAWS = 8
+"""Of each action, the liveliest of which is shown."""
 
 
 def strip(motion: Motion, renderer: Any) -> bytes:
@@ -80,7 +81,7 @@ def main() -> None:
     renderer = Renderer(3 * SIZE, 3 * SIZE)
     usual = GenerateSettings()
     for action in tasks.load_engine(usual.engine).actions:
-        asked = GenerateSettings(action=action.name, frames=50, seed=usual.seed, count=_DRAWS)
+        asked = GenerateSettings(action=action.name, frames=50, seed=usual.seed, count=DRAWS)
         data = strip(liveliest(tasks.generate(asked)), renderer)
         (folder / f"{tasks.slug(action.name)}.webp").write_bytes(data)
         log.info("%s: %d bytes", action.name, len(data))
