@@ -17,6 +17,8 @@ from engines.training.devices import ALONE, Share
 
 SHORTEST = 16
 """Frames at 30 fps; shorter clips are left out."""
+_BALANCE = 0.75
+"""A style with n clips is drawn with a chance proportional to n ** (1 - _BALANCE)."""
 
 
 class Windows:
@@ -47,7 +49,7 @@ class Windows:
         self.labels = np.array(labels)
         self.labelled = np.flatnonzero(self.labels >= 0)
         counts = np.bincount(self.labels[self.labelled], minlength=len(config.styles))
-        weight = counts[self.labels[self.labelled]] ** -0.5
+        weight = counts[self.labels[self.labelled]] ** -_BALANCE
         self._chance = weight / weight.sum() if len(weight) else weight
         self._of_style = {label: np.flatnonzero(self.labels == label) for label in np.unique(self.labels)}
 

@@ -27,6 +27,8 @@ _LEAST = 24
 LONGEST = 18_000
 MAX_COUNT = 256
 STRONGEST = 1.5
+_KEPT = 0.75
+"""How much of what content codes lose of a motion comes back (0: none, as in the thesis)."""
 _VARIANTS = ("ae", "vae", "ae-unsupervised", "vae-unsupervised")
 
 
@@ -83,13 +85,12 @@ class StylizationEngine:
         house, features = self._seen(motion)
         names = self._names(style, like, count, seed)
         label = self._labels(names)
-        codes = self._codes(features, count)
         draws = (torch.randn(self.config.style_size, generator=_generator(seed, index)) for index in range(count))
         told = torch.stack([*draws])
         if like is not None:
             reference = self.model.encode(self._normal(self._seen(like)[1])).expand(count, -1, -1)
             told = self.model.style_of(reference, label).sample(told)
-        made = self._restyled(features, codes, told, label, strength)
+        made = self._restyled(features, told, label, strength)
         said = {"style": style, "like": None if like is None else like.provenance.source, "strength": strength}
         done = [
             self._finished(house, row, name, said, seed, index)
@@ -129,7 +130,7 @@ class StylizationEngine:
         names = [*style] or [None]
         ends = self._labels([self._known(name) for name in (names[0], names[-1])])
         label = None if ends is None else (1 - share) * ends[:1] + share * ends[1:]
-        made = self._restyled(features, self._codes(features, steps), (1 - share) * first + share * last, label, 1.0)
+        made = self._restyled(features, (1 - share) * first + share * last, label, 1.0)
         return [self._finished(house, row, " > ".join(style) or None, {}, 0, i) for i, row in enumerate(made)]
 
     # ---- how it is made ---------------------------------------------------------------------------------------
@@ -175,26 +176,34 @@ class StylizationEngine:
         rows = np.concatenate([features, np.repeat(features[-1:], more, axis=0)])
         return ((torch.from_numpy(rows) - self.model.mean) / self.model.std)[None]
 
-    def _codes(self, features: np.ndarray, count: int) -> Tensor:
-        return self.model.encode(self._normal(features)).expand(count, -1, -1)
-
-    def _restyled(
-        self, features: np.ndarray, codes: Tensor, told: Tensor, label: Tensor | None, strength: float
-    ) -> np.ndarray:
+    def _restyled(self, features: np.ndarray, told: Tensor, label: Tensor | None, strength: float) -> np.ndarray:
         """Features (N, T, D), not normalised: on the way from the given ones to those of the stylised code.
 
-        What the autoencoder cannot say of the given motion stays in it, and so does what the regressor cannot tell of
-        its travel: without strength nothing changes.
+        Content codes lose more than the manner (instance norms take away that one arm hangs still). Of what they cannot
+        say of the motion in its own manner `_KEPT` stays in it; so does what the autoencoder cannot say of it, and the
+        regressor of its travel: without strength nothing changes.
         """
         model, given = self.model, self._normal(features)
-        styled = model.generate(model.content(codes), told, label)
-        made = given + model.decode(codes + strength * (styled - codes)) - model.decode(codes)
+        code = model.encode(given)
+        content = model.content(code)
+        own = _KEPT * self._rebuilt(code, content) + (1 - _KEPT) * code
+        styled = code + strength * (model.generate(content.expand(len(told), -1, -1), told, label) - own)
+        made = given + model.decode(styled) - model.decode(code)
         given = given.expand_as(made)
         turning = given[..., LAYOUT["yaw_velocity"]]
         travel = given[..., LAYOUT["root_velocity"]] + model.travel(made, given) - model.travel(given, given)
         rest = made[..., LAYOUT["root_height"].start :]
         whole = torch.cat([turning, travel, rest], dim=-1) * model.std + model.mean
         return whole[:, : len(features)].numpy()
+
+    def _rebuilt(self, code: Tensor, content: Tensor) -> Tensor:
+        """(1, Z, L): the code from its own content and manner; of labels the one that comes nearest."""
+        labels = torch.eye(len(self.styles)) if self.styles else None
+        many = max(1, len(self.styles))
+        codes, contents = (value.expand(many, -1, -1) for value in (code, content))
+        made = self.model.generate(contents, self.model.style_of(codes, labels).mean, labels)
+        nearest = int((made - codes).abs().mean(dim=(1, 2)).argmin())
+        return made[nearest : nearest + 1]
 
     def _finished(  # noqa: PLR0913, PLR0917 - what goes into labels and provenance
         self, house: Motion, row: np.ndarray, style: str | None, said: dict[str, Any], seed: int, index: int
