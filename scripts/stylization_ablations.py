@@ -48,12 +48,7 @@ def trained(name: str, run: Path, out: Path, steps: int) -> Path:
     """Weights of a row, trained if they are not there."""
     weights = out / f"{name}.safetensors"
     if not weights.is_file():
-        chosen, folder = config(name, steps), out / name
-        base = run
-        if chosen.latent == "none":
-            base = out / "no-latent"  # the regressor is the same network, but its folder says which features it saw
-            train.fit(chosen, "regressor", base)
-        train.export(train.fit(chosen, "style", folder, base=base), weights)
+        train.export(train.fit(config(name, steps), "style", out / name, base=run), weights)
     return weights
 
 

@@ -90,7 +90,7 @@ without them for weights of your own. SHA-256 `{engine.weights_hash}`.
 | settings | the `.json` beside the weights |
 | data | autoencoder and regressor: Bandai-Namco 1 and 2, CMU subset, UTD-MHAD; styles: Bandai-Namco only |
 | split | by clip, seeded; UTD by subject; only the training split, and its mirror images |
-| training | style stage {extra.get("step", 0):,} steps of {config.batch_size} pairs, {minutes:.0f} minutes on one core |
+| training | style stage {extra.get("step", 0):,} steps of {config.batch_size} pairs, {minutes:.0f} min on one core |
 | styles | {", ".join(config.styles)} |
 
 ## Held-out figures
