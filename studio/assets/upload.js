@@ -2,7 +2,7 @@
 const PIECE = 2 ** 20
 export function render(part) {
   const {model} = part
-  const input = h("input", {type: "file", accept: model.accept.join(","), class: "vh", id: "file", tabindex: "-1", "aria-label": "Motion file"})
+  const input = h("input", {type: "file", accept: model.accept.join(","), class: "vh", id: "file", tabindex: "-1", "aria-label": model.label})
   const choose = h("button", {class: "btn", type: "button", onclick: () => input.click()}, icon("upload"), "Choose a file")
   const outcome = h("div", {role: "status"})
   const zone = h("div", {class: model.compact ? "zone compact" : "zone"}, icon("upload"), h("p", {}, model.text), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))

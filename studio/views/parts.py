@@ -224,6 +224,18 @@ class Seed(Part):
     _stylesheets = _style("seed")
 
 
+class Manner(Part):
+    """How much of a manner, and how what is made is shown."""
+
+    strength = param.Number(1.0)
+    most = param.Number(1.0)
+    feet = param.Boolean(True)
+    tempo = param.Boolean(False)
+    timed = param.Boolean(False, doc="The engine can be told the tempo.")
+    _esm = _script("manner")
+    _stylesheets = _style("manner")
+
+
 class Generate(Part):
     """The button, the line under it, the progress."""
 
@@ -260,6 +272,7 @@ class Upload(Part):
 
     active = param.Boolean(True, doc="Takes what is dropped on the page.")
     text = param.String("Drop a motion file here, or anywhere on the page")
+    label = param.String("Motion file", doc="What is chosen, for screen readers.")
     compact = param.Boolean(False, doc="In one line.")
     accept = param.List([])
     limit = param.Integer(0)

@@ -14,7 +14,7 @@ from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.draw_map import draw_map
 from studio.views.forms import column, dressed, row
-from studio.views.parts import ASSETS, ActionGrid, Generate, Seed, Segments, Upload
+from studio.views.parts import ASSETS, ActionGrid, Generate, Manner, Seed, Segments, Upload
 
 _WAYS = {"style": "Name", "like": "Clip", "chance": "Surprise", "map": "Map"}
 
@@ -70,8 +70,8 @@ def _like(session: Session) -> pn.Column:
     """The take whose manner is taken, which may come from a file."""
     styling, state = session.styling, session.state
     part = Upload(
-        accept=list(IMPORTS), limit=UPLOAD_LIMIT, text="or drop one", compact=True, sizing_mode="stretch_width",
-        margin=0,
+        accept=list(IMPORTS), limit=UPLOAD_LIMIT, text="or drop one", label="Reference clip", compact=True,
+        sizing_mode="stretch_width", margin=0,
     )  # fmt: skip
     tie(part, state, error="import_error", status="import_status")
 
@@ -88,29 +88,23 @@ def _options(session: Session) -> pn.Column:
     """How much of the manner, how many, and how it is shown."""
     styling = session.styling
     state = styling.state
-    strength = dressed(pn.widgets.FloatSlider, label="Strength", start=0.0, end=MAX_STRENGTH, step=0.05, format="0.00")
-    strength.value = state.strength
-    state.param.watch(lambda event: setattr(strength, "value", event.new), "strength")
-    strength.param.watch(lambda event: setattr(state, "strength", event.new), "value_throttled")
+    part = Manner(most=MAX_STRENGTH, sizing_mode="stretch_width", margin=0)
+    tie(part, state, strength="strength", feet="feet", tempo="tempo")
+    follow(part, state, ["capabilities"], lambda: {"timed": "tempo" in state.capabilities})
     count = dressed(pn.widgets.IntInput, label="Variations", step=1, start=1, end=MAX_COUNT)
     tie(count, state, value="count")
     seed = Seed(sizing_mode="stretch_width", margin=0)
     tie(seed, session.state, value="seed", locked="seed_locked")
-    feet = dressed(pn.widgets.Checkbox, label="Foot clean-up")
-    tempo = dressed(pn.widgets.Checkbox, label="Tempo of the style")
     model = dressed(pn.widgets.Select, label="Model", options=[""])
-    tie(feet, state, value="feet")
-    tie(tempo, state, value="tempo")
 
     def show(*_: Any) -> None:
-        tempo.visible = "tempo" in state.capabilities
         kinds = list(dict.fromkeys([*state.variants, state.variant]))
         model.param.update(options=kinds, value=state.variant, visible=len(kinds) > 1)
 
-    state.param.watch(show, ["capabilities", "variants", "variant"])
+    state.param.watch(show, ["variants", "variant"])
     show()
     model.param.watch(lambda event: setattr(state, "variant", event.new), "value")
-    return column(strength, row(count, seed), row(feet, tempo), model, gap=10)
+    return column(part, row(count, seed), model, gap=10)
 
 
 def style_button(session: Session) -> Generate:
