@@ -10,7 +10,7 @@ import ipywidgets as widgets
 
 from studio.notebook.maker import Maker
 from studio.proportions import BONES, LONGEST, SHORTEST, bone_scale, factors
-from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_SEED
+from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_SEED, MAX_STRENGTH
 
 WIDTH = "300px"
 _LABELS = "74px"
@@ -94,7 +94,10 @@ def note(text: str, fault: bool = False) -> str:
 def controls(maker: Maker) -> list[Any]:
     """The controls of an engine, in order; what it cannot be told has none."""
     ties, can = Ties(maker), maker.state.capabilities
-    made = [*_asked(ties), *([_style(ties)] if "styles" in can else []), *_shape(ties)]
+    style = [_style(ties)] if "styles" in can else []
+    if "stylise" in can:
+        return [*style, *_manner(ties), *_shape(ties)[1:], *_go(ties)]
+    made = [*_asked(ties), *style, *_shape(ties)]
     if "constraints" in can:
         from studio.notebook.pins import constraints
 
@@ -133,6 +136,15 @@ def _asked(ties: Ties) -> list[Any]:
 def _style(ties: Ties) -> Any:
     options = [("any", ""), *((name, name) for name in ties.maker.state.styles)]
     return ties.tie(field(widgets.Dropdown, "Style", options=options), "style")
+
+
+def _manner(ties: Ties) -> list[Any]:
+    """How much of a manner, and whether its tempo too, where the engine can be told."""
+    slider = field(widgets.FloatSlider, "Strength", max=MAX_STRENGTH, step=0.05, readout_format=".2f")
+    made = [ties.tie(slider, "strength")]
+    if "tempo" in ties.maker.state.capabilities:
+        made.append(ties.tie(field(widgets.Checkbox, "Its tempo too"), "tempo"))
+    return made
 
 
 def _shape(ties: Ties) -> list[Any]:
@@ -229,8 +241,9 @@ def _go(ties: Ties) -> list[Any]:
         else:
             said.value = note(state.generate_note or ("" if state.generating else state.message) or state.forecast())
 
-    ties.follow(_ASKED, forget)
-    ties.follow([*_ASKED, *_TOLD], show)
+    asked = _ASKED + ["strength", "tempo"] * ("stylise" in state.capabilities)
+    ties.follow(asked, forget)
+    ties.follow([*asked, *_TOLD], show)
     return [widgets.HBox([go, stop]), bar, said]
 
 

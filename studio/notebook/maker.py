@@ -7,18 +7,48 @@ import threading
 import uuid
 from typing import Any
 
+import param
+
 from engines import Motion
 from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from studio import draws, tasks
+from studio.given import Given
 from studio.jobs import Cancel, Job, JobQueue, Progress, shared_queue
 from studio.pinning import Pinning
 from studio.session import LONGEST_PINNED
-from studio.settings import GenerateSettings, usual_engine
+from studio.settings import MAX_FRAMES, MAX_STRENGTH, GenerateSettings, usual_engine
 from studio.state import StudioState
 from studio.takes import Take, TakeList
+from studio.wording import counted
 
 BEGIN = ("action", "style", "prompt", "seconds", "count", "seed", "guidance", "best_of", "bone_scale")
 """Settings that a maker may begin with."""
+MANNER = ("motion", "style", "like", "strength", "tempo", "count", "seed")
+"""The same where a motion is put in another manner."""
+
+
+class Manner(StudioState):
+    """The state where an engine puts a motion in another manner, instead of making one."""
+
+    motion = param.ClassSelector(class_=Given, doc="That motion.")
+    like = param.ClassSelector(class_=Given, doc="One whose manner it takes; None: the style's, or one by chance.")
+    strength = param.Number(1.0, bounds=(0, MAX_STRENGTH), doc="How much of it.")
+    tempo = param.Boolean(False, doc="Whether it becomes as fast as the style is.")
+
+    def problem(self) -> str:
+        """Why Generate cannot be pressed; empty when it can."""
+        return "" if self.motion else "Give a motion: panel(engine, motion=walk)."
+
+    def generate_settings(self) -> GenerateSettings:
+        """What Generate would ask for."""
+        return GenerateSettings(
+            engine=self.engine, variant=self.variant, action="", style="" if self.like else self.style, seed=self.seed,
+            count=self.count, given=self.motion, like=self.like, strength=self.strength, tempo=self.tempo,
+        )  # fmt: skip
+
+    def forecast(self) -> str:
+        """One line on what Generate will bring."""
+        return f"{counted(self.count, 'take')}: {self.generate_settings().subject} × {self.strength:g}"
 
 
 class Maker:
@@ -43,7 +73,8 @@ class Maker:
         self.queue = queue or shared_queue()
         self.lock = threading.RLock()
         self.takes = TakeList(on_change=self._takes_changed)
-        self.state = StudioState(engine=self.engine.name)
+        kind = Manner if "stylise" in self.engine.capabilities else StudioState
+        self.state = kind(engine=self.engine.name)
         # one that was brought along has its own weights; another variant would be another engine
         self.choice = tuple(getattr(self.engine, "variants", ())) if named else ()
         self.pins = Pinning(self)  # type: ignore[arg-type]  # of a session it uses the state alone
@@ -114,12 +145,7 @@ class Maker:
     # ---- what comes of it ---------------------------------------------------------------------------------
 
     def _draw(self, asked: GenerateSettings, progress: Progress, cancel: Cancel) -> Any:
-        made: list[Motion] = list(
-            self.engine.generate_many(
-                asked.action or None, count=asked.count, frames=asked.frames, seed=asked.seed, progress=progress,
-                cancel=cancel, **tasks.told(asked, self.engine),
-            )
-        )  # fmt: skip
+        made = tasks.generate_with(self.engine, asked, progress, cancel)
         return asked, made, [dict(tasks.measure(motion)) for motion in made]
 
     def _heard(self, job: Job) -> None:
@@ -151,21 +177,24 @@ class Maker:
     def _describe(self) -> None:
         """Copy what the engine says about itself into the state."""
         engine, state = self.engine, self.state
-        known = [action.name for action in engine.actions]
+        actions = tuple(getattr(engine, "actions", ()))
+        known = [action.name for action in actions]
         can = frozenset(engine.capabilities)
         state.param.update(
-            variant=engine.variant, capabilities=can, actions=tuple(engine.actions),
+            variant=engine.variant, capabilities=can, actions=actions,
             styles=[str(style) for style in getattr(engine, "styles", ())], variants=list(self.choice),
             max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)), fps=float(engine.fps),
-            max_frames=int(engine.max_frames), licence=engine.licence, weights_hash=engine.weights_hash,
+            max_frames=int(getattr(engine, "max_frames", MAX_FRAMES)), licence=engine.licence,
+            weights_hash=engine.weights_hash,
             action=state.action if state.action in known or not known else known[0],
             request="action" if known else "text", engine_ready=True,
         )  # fmt: skip
 
     def _begin(self, given: dict[str, Any]) -> None:
+        known = MANNER if isinstance(self.state, Manner) else BEGIN
         for name in given:
-            if name not in BEGIN:
-                raise UnknownLabelError("setting", name, BEGIN)
+            if name not in known:
+                raise UnknownLabelError("setting", name, known)
         if given.get("prompt") and given.get("action"):
             raise MotionloomError("an action and a prompt cannot be asked at once; give one of them.")
         told = {name: given[name] for name in ("style", "prompt", "guidance", "best_of", "bone_scale") if name in given}
@@ -180,6 +209,8 @@ class Maker:
     def _set(self, name: str, value: Any) -> None:
         if name == "seconds":
             name, value = "frames", round(float(value) * self.state.fps)
+        if isinstance(value, Motion):
+            value = Given.of(value, value.provenance.source or name, self.state.fps)
         try:
             self.state.param.update(**{name: value})
         except ValueError:

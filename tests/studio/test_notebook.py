@@ -7,7 +7,7 @@ import pytest
 
 from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from studio import notebook, tasks
-from tests.studio.fakes import ConstrainedEngine, FakeEngine
+from tests.studio.fakes import ConstrainedEngine, FakeEngine, FakeStyliser, sway
 
 widgets = pytest.importorskip("ipywidgets")
 
@@ -182,3 +182,25 @@ def test_another_variant_is_loaded_by_name(monkeypatch):
     named(panel, "Model").value = "other"
     assert panel.maker.engine.variant == "other"
     assert panel.generate().settings.variant == "other"
+
+
+def test_a_motion_in_another_manner():
+    walk, engine = sway(frames=40), FakeStyliser()
+    panel = notebook.panel(engine, motion=walk, style="old", count=2)
+    assert {"Style", "Strength", "Ways", "Seed", "Generate"} <= names(panel)
+    assert not {"Action", "Seconds", "Prompt"} & names(panel)
+    assert said(panel, "2 takes: fake, old × 1")
+    named(panel, "Strength").value = 0.5
+    named(panel, "Generate").click()
+    assert [motion.frames for motion in panel.motions] == [59, 59]
+    assert (engine.calls[-1]["style"], engine.calls[-1]["strength"], panel.settings.strength) == ("old", 0.5, 0.5)
+    like = notebook.panel(engine, motion=walk, like=sway("wave", frames=30)).generate().wait()
+    assert (engine.calls[-1]["style"], engine.calls[-1]["like"]) == (None, len(like.settings.like.motion))
+    with pytest.raises(MotionloomError, match="motion=walk"):
+        notebook.panel(engine, style="old")
+    with pytest.raises(UnknownLabelError, match="style"):
+        notebook.panel(engine, motion=walk, style="odl")
+    with pytest.raises(OutOfRangeError, match="strength"):
+        notebook.panel(engine, motion=walk, strength=2.0)
+    with pytest.raises(UnknownLabelError, match="'strength'"):
+        notebook.panel(engine, motion=walk, strenght=1.0)
