@@ -63,6 +63,8 @@ class StylizationConfig(Config):
     """lambda_kl; 0.1 and 0.01."""
     critic_weight: float = 0.0
     """Not the thesis's: on what a critic of styles, trained along, says of transferred codes (supervised setting)."""
+    kept: float = 0.0
+    """Not the thesis's: how much of what a content code cannot say of a motion stays in what is made of it."""
     autoencoder_steps: int = 60_000
     regressor_steps: int = 20_000
     steps: int = 60_000
@@ -96,6 +98,8 @@ class StylizationConfig(Config):
             sizes = getattr(self, name)
             if min(sizes, default=1) < 1 or not (sizes or name == "regressor"):
                 raise OutOfRangeError(name, sizes, "one or more sizes, each 1 or more")
+        if not 0 <= self.kept <= 1:
+            raise OutOfRangeError("kept", self.kept, "0 to 1")
         if self.batch_size < 1:
             raise OutOfRangeError("batch_size", self.batch_size, "1 or more")
         return self
@@ -105,7 +109,7 @@ PAPER = StylizationConfig()
 SMALL = StylizationConfig(
     encoder=(192, 192), latent_size=128, decoder=(192, 192, 192), mid=(192,), content=(128, 128), style=(192, 128),
     style_size=64, generator=(192, 256, 192), regressor=(128, 64, 32), batch_size=32, learning_rate=5e-4,
-    critic_weight=0.1, autoencoder_steps=8_000, regressor_steps=2_500, steps=6_000,
+    critic_weight=0.1, kept=0.75, autoencoder_steps=8_000, regressor_steps=2_500, steps=6_000,
 )  # fmt: skip
 """What ships: a fifth of the sizes."""
 PRESETS = {"paper": PAPER, "small": SMALL}

@@ -27,8 +27,6 @@ _LEAST = 24
 LONGEST = 18_000
 MAX_COUNT = 256
 STRONGEST = 1.5
-_KEPT = 0.75
-"""How much of what content codes lose of a motion comes back (0: none, as in the thesis)."""
 _VARIANTS = ("ae", "vae", "ae-unsupervised", "vae-unsupervised")
 
 
@@ -180,13 +178,14 @@ class StylizationEngine:
         """Features (N, T, D), not normalised: on the way from the given ones to those of the stylised code.
 
         Content codes lose more than the manner (instance norms take away that one arm hangs still). Of what they cannot
-        say of the motion in its own manner `_KEPT` stays in it; so does what the autoencoder cannot say of it, and the
-        regressor of its travel: without strength nothing changes.
+        say of the motion in its own manner the share `kept` stays in it; so does what the autoencoder cannot say of it,
+        and the regressor of its travel: without strength nothing changes.
         """
         model, given = self.model, self._normal(features)
         code = model.encode(given)
         content = model.content(code)
-        own = _KEPT * self._rebuilt(code, content) + (1 - _KEPT) * code
+        kept = self.config.kept
+        own = kept * self._rebuilt(code, content) + (1 - kept) * code
         styled = code + strength * (model.generate(content.expand(len(told), -1, -1), told, label) - own)
         made = given + model.decode(styled) - model.decode(code)
         given = given.expand_as(made)

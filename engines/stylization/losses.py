@@ -91,7 +91,8 @@ def run(model: Stylizer, first: Tensor, second: Tensor, label: Tensor | None, dr
         model.generate(model.content(z1), styles[0].sample(draws.styles[0]), label),
         model.generate(content, styles[1].sample(draws.styles[1]), label),
     )
-    transferred = model.generate(content.detach(), styles[2].sample(draws.styles[2]), other)
+    lost = model.config.kept * (z2 - rebuilt[1]).detach()
+    transferred = model.generate(content.detach(), styles[2].sample(draws.styles[2]), other) + lost
     again = model.style_of(transferred, other)
     own = Gaussian(styles[1].mean.detach(), styles[1].logvar.detach())
     cycled = (
@@ -125,12 +126,20 @@ def stylization(model: Stylizer, first: Tensor, second: Tensor, label: Tensor | 
 
 
 def criticised(critic: nn.Module, weight: float, made: Pass, label: Tensor) -> Terms:
-    """What the critic learns from real codes, and what it says, as it is, of transferred ones."""
+    """What the critic learns, and what it says, as it is, of transferred codes.
+
+    It tells real codes by their styles and transferred ones as such: a class of their own.
+    """
     z1, z2, _ = made.codes
-    learned = cross_entropy(critic(torch.cat([z1, z2])), torch.cat([label, label]))
+    given = torch.cat([label, label]).argmax(dim=1)
+    wrong = torch.full((len(label),), label.shape[1], device=label.device)
+    seen = critic(torch.cat([z1, z2, made.transferred.detach()]))
     fixed = {name: value.detach() for name, value in critic.named_parameters()}
     said = functional_call(critic, fixed, (made.transferred,))
-    return {"critic": learned, "manner": weight * cross_entropy(said, swapped(label))}
+    return {
+        "critic": cross_entropy(seen, torch.cat([given, wrong])),
+        "manner": weight * cross_entropy(said, swapped(label).argmax(dim=1)),
+    }
 
 
 def to_normal(found: Gaussian) -> Tensor:
