@@ -265,7 +265,9 @@ def _invented(engine: Any, tail: Motion, head: Motion, gap: int, seed: int) -> M
 
     around = Constraints(kept=(Keep(tail), Keep(head, len(tail) + gap)))
     frames = len(tail) + gap + len(head)
-    (made,) = engine.generate_many(None, count=1, frames=frames, seed=seed, constraints=around)
+    # told nothing of what is done, so there is nothing to be guided to
+    free = {"guidance": 1.0} if "guidance" in engine.capabilities else {}
+    (made,) = engine.generate_many(None, count=1, frames=frames, seed=seed, constraints=around, **free)
     return made[len(tail) : len(tail) + gap].replaced(labels=())
 
 

@@ -8,10 +8,10 @@ export class Editor {
     this.id = null;
     this.known = h("datalist", { id: "seq-actions" });
     this.fields = {
-      kind: this.#choice("kind", [["action", "Action"], ["prompt", "In words"]]),
+      kind: h("select", {}, h("option", { value: "action" }, "Action"), h("option", { value: "prompt" }, "In words")),
       what: h("input", { type: "text", list: "seq-actions", autocomplete: "off", maxlength: 1000 }),
-      style: this.#choice("style", []),
-      engine: this.#choice("engine", []),
+      style: h("select"),
+      engine: h("select"),
       seconds: h("input", { type: "number", min: SHORTEST, max: 600, step: 0.1 }),
       transition: h("input", { type: "number", min: 0, max: LONGEST_TRANSITION, step: 0.1 }),
       seed: h("input", { type: "number", min: 0, step: 1 }),
@@ -24,12 +24,6 @@ export class Editor {
     this.element = h("div", { class: "seq-editor", role: "dialog", "aria-label": "Block", hidden: true },
       h("div", { class: "seq-editor-head" }, this.title, close), this.known, h("div", { class: "seq-fields" }, ...Object.values(this.rows)));
     this.element.addEventListener("keydown", (event) => this.#key(event));
-  }
-
-  #choice(_name, entries) {
-    const field = h("select");
-    field.append(...entries.map(([value, text]) => h("option", { value }, text)));
-    return field;
   }
 
   get span() {
@@ -85,8 +79,9 @@ export class Editor {
     const field = this.fields[name];
     const value = field.type === "number" ? field.valueAsNumber : field.value.trim();
     if (!this.span || value === this.span.block[name]) return;
-    if (!field.checkValidity() || value === "" && name === "what" || Number.isNaN(value)) {
-      this.sequencer.player.say(field.validationMessage || "A block shows something");
+    const { rangeUnderflow, rangeOverflow, badInput } = field.validity;
+    if (rangeUnderflow || rangeOverflow || badInput || Number.isNaN(value) || (name === "what" && !value)) {
+      this.sequencer.tools.complain(field.validationMessage || "A block shows something.");
       field.value = this.span.block[name];
       return;
     }

@@ -26,13 +26,18 @@ export class Tools {
     const { data, picked } = sequencer;
     const count = data.blocks.length;
     this.about.textContent = count ? `${count} block${count === 1 ? "" : "s"} · ${clockText(Math.round(sequencer.length * 10) / 10)}` : "No blocks yet";
-    this.fault.textContent = data.error;
-    this.fault.title = data.error;
+    this.complain(data.error);
     for (const [command, element] of this.acts) {
       element.disabled = !picked || !fits(command, picked);
       element.setAttribute("aria-label", named(command, picked));
       element.title = `${named(command, picked)} (${command.key})`;
     }
     press(this.above, sequencer.plan.wanted);
+  }
+
+  /** Says what cannot be done, until something else is. */
+  complain(text) {
+    this.fault.textContent = text;
+    this.fault.title = text;
   }
 }
