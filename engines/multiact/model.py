@@ -17,6 +17,7 @@ from engines.multiact.networks import (
     Postprocessor,
     PrevNet,
     TransitionLength,
+    around,
 )
 from engines.multiact.representation import D
 from engines.text2motion.networks import Gaussian
@@ -92,10 +93,11 @@ class MACVAE(nn.Module):
         x = self.normalise(x)
         x = torch.cat([x[:, :before] + self.config.noise * blur, x[:, before:]], dim=1)
         last = x[:, before - SEEN : before]
-        posterior = self.encoder(x, _labels(x.shape[1], before, labels, frames), before + frames.sum(1))
-        z_p, z_c = (found.sample(noise[:, i]) for i, found in enumerate(posterior))
-        made = self.decode(z_p, z_c, frames, last)
-        return Pass(made, posterior, self.prior(last, labels[:, 1]), self.transition_length(last, labels[:, 1]))
+        prior = self.prior(last, labels[:, 1])
+        away = self.encoder(x, _labels(x.shape[1], before, labels, frames), before + frames.sum(1))
+        posterior = around(prior[0], away[0]), around(prior[1], away[1])
+        made = self.decode(posterior[0].sample(noise[:, 0]), posterior[1].sample(noise[:, 1]), frames, last)
+        return Pass(made, posterior, prior, self.transition_length(last, labels[:, 1]))
 
     @torch.inference_mode()
     def generate(self, last: Tensor, actions: Tensor, frames: Tensor, noise: Tensor) -> Float[Tensor, "B T D"]:

@@ -16,6 +16,8 @@ _WIDE = 5
 """Frames that convolutions over time look at."""
 _NARROWEST, _WIDEST = -9.0, 3.0
 """Log-variances a prior may have: a pose nobody has seen must not blow it up."""
+_AT_FIRST = -2.0
+"""... and has before it is trained."""
 
 
 def sinusoids(at: Float[Tensor, "*batch"], width: int) -> Float[Tensor, "*batch C"]:
@@ -42,8 +44,20 @@ def held(x: Float[Tensor, "B T C"], frames: Int[Tensor, " B"]) -> Float[Tensor, 
     return x.gather(1, at[..., None].expand_as(x))
 
 
+def around(prior: Gaussian, away: Gaussian) -> Gaussian:
+    """The posterior that lies so many of the prior's deviations away from it (Vahdat and Kautz 2020, section 3.2).
+
+    What the prior knows for certain, how the previous motion ends, the decoder so gets as certain as that, and it
+    costs no divergence; the encoder has only to tell what nobody could foresee.
+    """
+    return Gaussian(prior.mean + torch.exp(0.5 * prior.logvar) * away.mean, prior.logvar + away.logvar)
+
+
 class Encoder(nn.Module):
-    """Previous motion, transition and current action, with their labels -> posteriors of z_p and z_c."""
+    """Previous motion, transition and current action, with their labels -> where z_p and z_c lie around their priors.
+
+    It begins by telling nothing, so that posteriors are priors.
+    """
 
     def __init__(self, features: int, actions: int, width: int, layer: nn.TransformerEncoderLayer, layers: int) -> None:
         super().__init__()
@@ -52,11 +66,13 @@ class Encoder(nn.Module):
         self.layers = nn.TransformerEncoder(layer, layers, nn.LayerNorm(width), enable_nested_tensor=False)
         self.convolution = Convolution(width, width)
         self.heads = nn.ModuleList(nn.Linear(width, width) for _ in range(4))
+        for head in self.heads.parameters():
+            nn.init.zeros_(head)
 
     def forward(
         self, x: Float[Tensor, "B T D"], labels: Int[Tensor, "B T"], frames: Int[Tensor, " B"]
     ) -> tuple[Gaussian, Gaussian]:
-        """Posteriors of z_p and z_c.
+        """Of z_p and z_c, for `around`.
 
         Args:
             x: normalised features.
@@ -79,6 +95,7 @@ class PrevNet(nn.Module):
     def __init__(self, features: int, width: int) -> None:
         super().__init__()
         self.mean, self.logvar = nn.Linear(SEEN * features, width), nn.Linear(SEEN * features, width)
+        nn.init.constant_(self.logvar.bias, _AT_FIRST)
 
     def forward(self, last: Float[Tensor, "B seen D"]) -> Gaussian:
         """The biases of the layers are the token."""
@@ -92,7 +109,7 @@ class CurrNet(nn.Module):
     def __init__(self, actions: int, width: int) -> None:
         super().__init__()
         self.mean, self.logvar = nn.Embedding(actions, width), nn.Embedding(actions, width)
-        nn.init.zeros_(self.logvar.weight)
+        nn.init.constant_(self.logvar.weight, _AT_FIRST)
 
     def forward(self, actions: Int[Tensor, " B"]) -> Gaussian:
         """Actions count from 0."""

@@ -24,12 +24,13 @@ _HELD = np.array([SMPLH52.index(name) for name in SMPL22.joints])
 _GROUND = [0, 2]
 
 
-def encode(motion: Motion, anchor: int) -> np.ndarray:
+def encode(motion: Motion, anchor: int | None = None) -> np.ndarray:
     """A Motion of two frames or more as (T, D) float32.
 
     Args:
         motion: any.
-        anchor: the frame, at 20 a second, that faces +Z above the origin.
+        anchor: the frame, at 20 a second, that is to face +Z above the origin; if none, the motion is left as it
+            stands, because one of its frames does.
     """
     features = SMPLH_HOUSE.encode(motion, anchor)
     slopes = features[:, : 6 * len(SMPLH52)].reshape(len(features), -1, 6)

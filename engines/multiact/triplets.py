@@ -60,6 +60,7 @@ _JOINTS = [SMPL22.index(name) for name in (
 _SPEED_COUNTS = 0.15
 """Seconds: a metre a second apart counts as so many metres."""
 _TURNS = frozenset({"turn left", "turn right"})
+_GO_ON = frozenset(action.name for action in vocabulary.VOCABULARY if action.repeats) - _TURNS
 _TURNING = 0.7
 """Radians a second from which on a walk turns, averaged over half a second."""
 
@@ -106,7 +107,7 @@ class Source:
 
 def goes_on(action: str) -> bool:
     """Whether an action can be cut anywhere and is still the same: a walk, but not one that turns."""
-    return vocabulary.get(action).repeats and action not in _TURNS
+    return action in _GO_ON
 
 
 @dataclass(frozen=True)

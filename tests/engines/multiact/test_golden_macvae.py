@@ -13,11 +13,14 @@ from safetensors.torch import load_file
 from torch import Tensor
 from torch.nn import functional as nnf
 
+from engines.errors import CheckpointError
 from engines.features import official_smplh
 from engines.geometry import rotations, so3
-from engines.multiact import official
+from engines.multiact import official, official_cell
+from engines.multiact.engine import load
 from engines.multiact.official import Moved, OfficialMACVAE, Slots
 from tests.conftest import find_shared
+from tests.engines.action2motion.tiny import movement
 
 pytestmark = pytest.mark.golden
 FOLDER = (find_shared() or Path("absent")) / "golden" / "macvae"
@@ -232,3 +235,66 @@ def test_golden_gradients(golden: Golden, monkeypatch: pytest.MonkeyPatch) -> No
         assert float(grad.norm()) == pytest.approx(float(value), rel=1e-3), name
         compared += 1
     assert compared > 60
+
+
+def joined(before: tuple[np.ndarray, np.ndarray], after: tuple[np.ndarray, np.ndarray]):
+    """Both pieces brought to the canonical frame of the seam, as the release connects them."""
+    pieces = []
+    for (turns, place), anchor in ((before, len(before[1]) - 1), (after, 0)):
+        root, there = official_smplh.face_front_align(turns[:, 0], place, anchor)
+        pieces.append((np.concatenate([root[:, None], turns[:, 1:]], axis=1), there))
+    turns, places = zip(*pieces, strict=True)
+    return np.concatenate(turns), np.concatenate(places)
+
+
+@pytest.mark.parametrize("item", [0, 1])
+def test_golden_long_term_generation(golden: Golden, item: int) -> None:
+    held = golden.file("longterm")
+    whole, turns, place = None, None, None
+    steps = sum(name.endswith("_labels") and name.startswith("step") for name in held)
+    for step in range(steps):
+        lengths, labels = (tuple(held[f"step{step}_{what}"][item].tolist()) for what in ("frame_length", "labels"))
+        noise = held[f"noise_step{step}"][item : item + 1]
+        if turns is None or place is None:  # the first step goes on from a real motion
+            slots = Slots(torch.tensor([lengths]), torch.tensor([labels]))
+            pose, there, rows = (value[item : item + 1] for value in (golden.pose, golden.place, golden.rows))
+            with torch.no_grad():
+                made = golden.model(rows, there, golden.model.priornet(pose, there, slots).sample(noise), slots)[0]
+        else:
+            made = official_cell.recur(golden.model, turns, place, lengths, labels, noise)
+        read_turns, read_place = official.read(made)
+        near(read_place, held[f"step{step}_item{item}_all_trans"])
+        root = rotations.rotvec_to_matrix(held[f"step{step}_item{item}_root_aa"].numpy())
+        there = sum(lengths)
+        near(read_turns[:there, 0], torch.from_numpy(root[:there]).float())
+        # the next step goes on from the action, whose last frames are not taken
+        new = slice(lengths[0], sum(lengths) - 2)
+        turns, place = read_turns.double().numpy(), read_place.double().numpy()
+        piece = turns[new], place[new]
+        whole = piece if whole is None else joined(whole, piece)
+        turns, place = (values[lengths[0] + lengths[1] : sum(lengths) - 2] for values in (turns, place))
+    assert whole is not None
+    root, there = official_smplh.face_front_align(whole[0][:, 0], whole[1], 0)
+    near(torch.from_numpy(root).float(), held[f"connected_item{item}_root_mat"])
+    theirs = held[f"connected_item{item}_trans"]
+    if not theirs[:, :2].any():  # the viewer has taken out where on the floor they are, whatever the README says
+        there[:, :2] = 0
+    near(torch.from_numpy(there).float(), theirs)
+
+
+def test_golden_weights_make_an_engine(golden: Golden, tmp_path: Path) -> None:
+    weights: dict[str, Tensor] = {}
+    for path in FOLDER.glob(f"{golden.tag}weights*.safetensors"):
+        weights |= load_file(path)
+    torch.save({"epoch": 3, "model": {f"module.{name}": value for name, value in weights.items()}},
+               tmp_path / "theirs.pth")  # fmt: skip
+    (tmp_path / "labels.json").write_text('{"walk": 2, "T pose": 23}')
+    engine = load(checkpoint=tmp_path / "theirs.pth")
+    assert engine.variant == "official" and [action.name for action in engine.actions] == ["walk", "t pose"]
+    made = engine.sequence([("t", 2.0), ("walk", 4.0)], seed=1, start=movement(30))
+    assert len(made) == 30 + 120 and [s.kind for s in made.labels if s.kind == "transition"] == ["transition"] * 2
+    seam = np.linalg.norm(np.diff(made.translation[28:32], axis=0), axis=-1)
+    assert seam[1] < 1e-6  # the first frame stands where the last one did, as the release connects
+    (tmp_path / "labels.json").write_text('{"walk": 4000}')
+    with pytest.raises(CheckpointError, match="outside"):
+        load(checkpoint=tmp_path / "theirs.pth")

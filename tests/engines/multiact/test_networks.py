@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import torch
 
-from engines.multiact.networks import SEEN, Convolution, Postprocessor, held, sinusoids
+from engines.multiact.networks import SEEN, Convolution, Postprocessor, around, held, sinusoids
 from engines.multiact.representation import D
+from engines.text2motion.losses import divergence
+from engines.text2motion.networks import Gaussian
 from tests.engines.multiact.tiny import model
 
 
@@ -24,11 +26,14 @@ def test_a_motion_is_the_same_in_any_batch() -> None:
 
 def test_padding_does_not_reach_the_posterior() -> None:
     net = model()
+    for head in net.encoder.heads.parameters():
+        torch.nn.init.normal_(head)
     x = torch.randn(2, 40, D)
     labels = torch.randint(0, 3, (2, 40))
     frames = torch.tensor([40, 25])
     whole = net.encoder(x, labels, frames)
     alone = net.encoder(x[1:, :25], labels[1:, :25], frames[1:])
+    assert whole[0].mean.abs().min() > 0
     for one, other in zip(whole, alone, strict=True):
         torch.testing.assert_close(one.mean[1:], other.mean, atol=1e-5, rtol=1e-4)
 
@@ -62,3 +67,11 @@ def test_positions_before_the_action_are_told_from_those_in_it() -> None:
     assert coded.shape == (3, 8)
     assert not torch.allclose(coded[0], coded[2])
     torch.testing.assert_close(coded[1], torch.tensor([0.0] * 4 + [1.0] * 4))
+
+
+def test_a_posterior_that_knows_nothing_is_the_prior_and_costs_nothing() -> None:
+    prior = Gaussian(torch.randn(3, 8), torch.randn(3, 8))
+    nothing = Gaussian(torch.zeros(3, 8), torch.zeros(3, 8))
+    assert divergence(around(prior, nothing), prior).abs().max() < 1e-6
+    away = Gaussian(torch.ones(3, 8), torch.zeros(3, 8))  # a deviation in each of eight directions
+    torch.testing.assert_close(divergence(around(prior, away), prior), torch.full((3,), 4.0))
