@@ -72,11 +72,14 @@ class Plane:
 
     Args:
         rows: (N, D) what they are compared by, as `Mapping.seen` gives it; two or more.
+        names: of each; where some share one, the directions are those in which the names differ most.
     """
 
-    def __init__(self, rows: Float[np.ndarray, "N D"]) -> None:
+    def __init__(self, rows: Float[np.ndarray, "N D"], names: Sequence[str] = ()) -> None:
         self._middle = rows.mean(axis=0)
-        directions = np.linalg.svd(rows - self._middle, full_matrices=False)[2][:2]
+        kinds = [np.array(names) == name for name in dict.fromkeys(names)]
+        told = rows if len(kinds) < 3 else np.stack([rows[kind].mean(axis=0) for kind in kinds])
+        directions = np.linalg.svd(told - self._middle, full_matrices=False)[2][:2]
         # towards the side where the largest weight is positive, so that the same draws give one map
         largest = np.abs(directions).argmax(axis=1)
         self._directions = directions * np.sign(directions[np.arange(len(directions)), largest])[:, None]
@@ -229,10 +232,10 @@ class Mapping:
 
     def _lay_out(self, subject: str, asked: list[GenerateSettings], motions: list[Motion], rows: np.ndarray) -> None:
         self._asked = [replace(each, take=take) for each in asked for take in range(1, each.count + 1)]
-        self._motions, self._plane = motions, Plane(rows)
+        names = [self.called(index) for index in range(len(motions))]
+        self._motions, self._plane = motions, Plane(rows, names)
         self._points, self._place = self._plane.places(rows), None
         self._between.clear()
-        names = [self.called(index) for index in range(len(motions))]
         self.state.param.update(
             subject=subject, names=names, points=self._points.round(4).tolist(), pictures=[""] * len(motions), at=(),
             ends=[], line=[], words="",
@@ -266,7 +269,7 @@ class Mapping:
         self._place = place
         ends = [place.first] if place.first == place.second else [place.first, place.second]
         self.state.words = self._words(place)
-        self._show()
+        self.show()
         self.state.param.update(at=at, ends=ends, line=self._line(place))
         self._work_out()
 
@@ -302,7 +305,7 @@ class Mapping:
         between = self._between.get((place.first, place.second))
         return None if between is None else between[0][round(place.share * (BLEND_STEPS - 1))]
 
-    def _show(self) -> None:
+    def show(self) -> None:
         """Show it; until it is worked out, the end that is nearer."""
         state, place = self.session.state, self._place
         if place is None or state.compose_tab != self.tab:
@@ -342,7 +345,7 @@ class Mapping:
                 while len(self._between) > _AT_HAND:
                     self._between.popitem(last=False)
             if self._place is not None:
-                self._show()
+                self.show()
                 self.state.line = self._line(self._place)
                 self._work_out()
 

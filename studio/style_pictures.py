@@ -20,7 +20,7 @@ from studio.styling import CLEAN
 log = logging.getLogger(__name__)
 
 FOLDER = Path(__file__).resolve().parent / "assets" / "styles"
-_FRAMES = 60
+_WALK = GenerateSettings(action="walk", style="normal", frames=60, count=DRAWS)
 
 
 def main() -> None:
@@ -30,8 +30,7 @@ def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     renderer = Renderer(3 * SIZE, 3 * SIZE)
-    usual = GenerateSettings()
-    walk = liveliest(tasks.generate(GenerateSettings(action="walk", frames=_FRAMES, seed=usual.seed, count=DRAWS)))
+    walk = liveliest(tasks.generate(_WALK))
     name = next(iter(registry.stylisers()))
     engine = tasks.load_engine(name)
     given = Given.of(walk, "a walk", engine.fps)

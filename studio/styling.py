@@ -63,6 +63,8 @@ class Styling:
         self.map = StyleMap(session)
         self._known = ""
         session.state.param.watch(self._load, "compose_tab")
+        session.state.param.watch(self._look, "compose_tab")
+        self.state.param.watch(self._look, "way")
         session.state.param.watch(self._follow, "selected")
         session.state.param.watch(self._left, "takes")
         self.state.param.watch(self._load, "variant")
@@ -177,6 +179,13 @@ class Styling:
         if self.take() is None:
             self.state.source = self.session.state.selected
 
+    def _look(self, *_: Any) -> None:
+        """On the stage stands what the map stands at, or the takes."""
+        if self.session.state.compose_tab == "style":
+            self.session.state.preview = ()
+            if self.state.way == "map":
+                self.map.show()
+
     def _load(self, *_: Any) -> None:
         """Have the engine, once the tab is opened."""
         state = self.state
@@ -239,9 +248,11 @@ class StyleMap(Mapping):
         return self._asked[index].style or super().called(index)
 
     def seen(self, motions: Sequence[Motion], asked: GenerateSettings) -> Float[np.ndarray, "N D"]:
-        """(N, D) style codes."""
+        """(N, D) style codes; what lies between two styles is seen as of the nearer."""
         engine = tasks.load_engine(asked.engine, asked.variant)
-        return np.stack([engine.style_code(motion) for motion in motions])
+        ends = (asked.style, asked.blend["style"]) if asked.blend else ("", "")
+        nearer = [ends[2 * index >= len(motions)] for index in range(len(motions))]
+        return np.stack([engine.style_code(motion, name or None) for motion, name in zip(motions, nearer, strict=True)])
 
     def beside(self) -> tuple[tuple[str, Motion], ...]:
         """The take itself."""

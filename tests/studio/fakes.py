@@ -130,12 +130,16 @@ class FakeStyliser:
 
     def style_code(self, motion, style=None):
         """How far the left arm is raised, twice; the second as it depends on the seed."""
+        shown = style or motion.label_at(0, "style")
+        if shown not in (None, *self.styles):
+            raise UnknownLabelError("style", shown, self.styles)
         turn = float(motion.rotations[0, SMPL22.index("left_collar"), 3])
         return np.array([turn, turn**2 + 0.1 * ((motion.provenance.seed or 0) % 3), 0.0])
 
     def interpolate_styles(self, motion, a, b, steps=5, style=()):
         angles = 2 * np.arcsin(a[0] + (b[0] - a[0]) * np.linspace(0, 1, steps))
-        return [self._raised(motion, None, float(angle), 0, i) for i, angle in enumerate(angles)]
+        between = " > ".join(style) or None
+        return [self._raised(motion, between, float(angle), 0, i) for i, angle in enumerate(angles)]
 
     def _raised(self, motion: Motion, style: str | None, angle: float, seed: int, index: int) -> Motion:
         house = motion.retarget(SMPL22).resample(self.fps)

@@ -182,3 +182,16 @@ def test_it_is_drawn_as_the_controls_ask(varied, settle):  # noqa: F811
     varied.varying.map.draw()
     settle(varied)
     assert varied.fake.calls[4]["seed"] == 0
+
+
+def test_where_draws_share_names_the_map_shows_how_the_names_differ():
+    draw = np.random.default_rng(3)
+    means = {"old": [1.0, 0.0], "proud": [-1.0, 0.0], "sad": [0.0, 1.5]}
+    names = [name for name in means for _ in range(6)]
+    noise = draw.normal(0, 10.0, (len(names), 1)) * [0, 0, 1]  # far more than what tells them apart
+    rows = np.array([[*means[name], 0.0] for name in names]) + noise
+    rows[:, 2] -= rows[:, 2].reshape(3, 6).mean(axis=1).repeat(6)
+    places = Plane(rows, names).places(rows)
+    for kind in np.split(places, 3):
+        assert np.ptp(kind, axis=0).max() < 1e-6
+    assert np.ptp(Plane(rows).places(rows)[:6], axis=0).max() > 0.3

@@ -201,6 +201,10 @@ def test_the_map_shows_every_style_and_what_lies_between(styled, settle):
     settle(styled)
     assert drawn.words == "50 % from happy to old"
     assert len(drawn.line) == BLEND_STEPS
+    styling.state.way = "like"
+    assert styled.state.preview == ()
+    styling.state.way = "map"
+    assert len(styled.state.preview) == 2, "it is shown again"
     styling.map.keep()
     settle(styled)
     take = styled.takes.get("take-5")
