@@ -7,9 +7,7 @@ for a while, so that after a change only what depends on it is made again. `piec
 from __future__ import annotations
 
 import hashlib
-import threading
-from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -19,50 +17,20 @@ from engines import SMPL22, Motion, Provenance, Segment
 from engines.errors import Cancelled, MotionloomError, UnknownLabelError
 from engines.geometry.seams import join
 from studio.jobs import Cancel, Progress
+from studio.library.motions import Cache
 from studio.sequence import RATE, Block
 from studio.settings import GenerateSettings, usual_engine
 
 SEEN = 20
 """Frames of both blocks that a transition is made between."""
-AT_HAND = 24_000
-"""Frames of blocks and transitions that are kept."""
 _STEADY = 0.4
 """Seconds over which heading and speed at an end are averaged: a step sways."""
 _FLOOR = np.array([1.0, 0.0, 1.0])
 """Times a place is that place on the floor."""
 
 
-class _AtHand:
-    """What was made last. Any thread may use it."""
-
-    def __init__(self, limit: int = AT_HAND) -> None:
-        self._limit, self._frames = limit, 0
-        self._motions: OrderedDict[str, Motion] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def get(self, key: str) -> Motion | None:
-        with self._lock:
-            motion = self._motions.get(key)
-            if motion is not None:
-                self._motions.move_to_end(key)
-            return motion
-
-    def put(self, key: str, motion: Motion) -> Motion:
-        with self._lock:
-            if key not in self._motions:
-                self._motions[key] = motion
-                self._frames += len(motion)
-            while self._frames > self._limit and len(self._motions) > 1:
-                self._frames -= len(self._motions.popitem(last=False)[1])
-            return motion
-
-    def clear(self) -> None:
-        with self._lock:
-            self._motions.clear()
-            self._frames = 0
-
-
-at_hand = _AtHand()
+at_hand = Cache(64 * 2**20)
+"""Blocks and transitions made last, by what they depend on."""
 
 
 def make(settings: GenerateSettings, progress: Progress | None = None, cancel: Cancel | None = None) -> list[Motion]:
@@ -155,6 +123,15 @@ def _whole(parts: list[Motion], settings: GenerateSettings, draw: int) -> Motion
 # ---- blocks -----------------------------------------------------------------------------------------------
 
 
+def _once(key: str, make: Callable[[], Motion]) -> Motion:
+    """What was made under that key, or is made now."""
+    motion = at_hand.get(key)
+    if motion is None:
+        motion = make()
+        at_hand.put(key, motion)
+    return motion
+
+
 def _engine(block: Block, settings: GenerateSettings) -> tuple[str, str]:
     """Name and variant of the engine that makes a block."""
     return (block.engine, "") if block.engine else (settings.engine, settings.variant)
@@ -181,7 +158,7 @@ def _block(block: Block, settings: GenerateSettings) -> Motion:
         motion = _fronted(block.clip.motion)
     else:
         asked = _asked(block, settings)
-        motion = at_hand.get(repr(asked)) or at_hand.put(repr(asked), _fronted(tasks.generate(asked)[0]))
+        motion = _once(repr(asked), lambda: _fronted(tasks.generate(asked)[0]))
     labels = [Segment(0, len(motion), "text" if block.kind == "prompt" else "action", block.what)]
     labels += [Segment(0, len(motion), "style", block.style)] if block.style else []
     return motion.replaced(labels=tuple(labels))
@@ -238,14 +215,16 @@ def _transition(before: Motion, after: Motion, gap: int, seed: int, settings: Ge
     held = [tail.rotations, tail.translation, head.rotations, head.translation]
     seen = hashlib.sha256(b"".join(np.round(array, 6).tobytes() for array in held)).hexdigest()
     key = f"{settings.engine} {settings.variant} {seed} {gap} {seen}"
-    known = at_hand.get(key)
-    if known is not None:
-        return known
+    return _once(key, lambda: _joined(tail, head, gap, seed, settings))
+
+
+def _joined(tail: Motion, head: Motion, gap: int, seed: int, settings: GenerateSettings) -> Motion:
+    """What lies between two stretches, without a jump at either."""
     engine = _between_engine(settings)
     made = _eased(tail, head, gap) if engine is None else _invented(engine, tail, head, gap, seed)
     # at either end it takes over the pose and the speed there, exactly
     made = _backward(join(_backward(head), _backward(made))[len(head) :])
-    return at_hand.put(key, join(tail, made)[len(tail) :])
+    return join(tail, made)[len(tail) :]
 
 
 def _between_engine(settings: GenerateSettings) -> Any | None:

@@ -137,6 +137,9 @@ class GenerateSettings:
         _within("strength", self.strength, 0.0, MAX_STRENGTH)
         self._check_then()
         self._check_blend()
+        if self.sequence:
+            object.__setattr__(self, "action", "")
+            object.__setattr__(self, "prompt", "")
         if self.sequence and (self.then or self.blend or self.constraints or self.given):
             raise MotionloomError(
                 "a sequence says all by its blocks; then, blend, constraints and given do not go with it."

@@ -179,7 +179,7 @@ class StudioState(param.Parameterized):
         can = self.capabilities
         if self.request == "sequence":
             return GenerateSettings(
-                engine=self.engine, variant=self.variant, action="", count=1,
+                engine=self.engine, variant=self.variant, count=1,
                 frames=min(max(self.sequence.frames(self.fps), 2), MAX_FRAMES),
                 guidance=self.guidance if "guidance" in can else GenerateSettings.guidance, sequence=self.sequence,
             )  # fmt: skip

@@ -33,6 +33,8 @@ SIZES = {
     "gif": {"480 × 270": (480, 270), "640 × 360": (640, 360), "400 × 400": (400, 400)},
 }
 CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
+MOST_BLOCKS = 12
+"""Lines on the blocks of a sequence."""
 _ABOUT = {
     "mp4": "Video for players, slides and the web.",
     "webm": "Video for web pages, smaller than MP4.",
@@ -136,7 +138,8 @@ def _made(take: Take) -> str:
             "Style": escape(_style(take)),
             "Pinned": "<br>".join(escape(words) for words in _pinned(drawn, motion.fps)),
             "Then": escape(", ".join(f"{action} {frames / motion.fps:.1f} s" for action, frames in drawn.then)),
-            "Seed": f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
+            "Blocks": "<br>".join(map(escape, _blocks(drawn))),
+            "Seed": "" if drawn.sequence else f"{drawn.seed}<small>{drawn.take} of {drawn.count}</small>",
             "Blend": _blend(drawn),
             "Length": length,
             "Proportions": escape(proportions(drawn.bone_scale)),
@@ -145,6 +148,14 @@ def _made(take: Take) -> str:
         }
     rows["Shown with"] = escape(", ".join(WORDS[name].lower() for name in take.edits if name in WORDS))
     return _section(f"What made {take.title.lower()}", rows)
+
+
+def _blocks(drawn: GenerateSettings) -> list[str]:
+    """The blocks of a sequence, a line each; not all of a long one."""
+    blocks = drawn.sequence.blocks
+    shown = blocks if len(blocks) <= MOST_BLOCKS else blocks[: MOST_BLOCKS - 1]
+    lines = [f"{block.what} {block.seconds:g} s{f', {block.style}' if block.style else ''}" for block in shown]
+    return lines + ([f"and {len(blocks) - len(shown)} more"] if len(blocks) > len(shown) else [])
 
 
 def _blend(drawn: GenerateSettings) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from operator import is_
 from typing import Any
 
+import numpy as np
 import panel as pn
 
-from engines import Motion
+from engines import SMPL22, Motion
 from engines.errors import MotionloomError
 from studio.edits import WORDS
 from studio.pinning import as_shown
@@ -27,9 +29,10 @@ def stage(session: Session) -> pn.Column:
     def say(*_: Any) -> None:
         coming = state.generating or not (state.engine_ready or state.generate_error)
         words = "The first people are on their way…" if coming else "Nobody here yet. Generate, or drop a motion file."
-        nobody.param.update(object=f"<p class='nobody'>{words}</p>", visible=not state.shown)
+        seen = bool(state.shown) or state.compose_tab == "sequence"
+        nobody.param.update(object=f"<p class='nobody'>{words}</p>", visible=not seen)
 
-    state.param.watch(say, ["generating", "engine_ready", "generate_error", "shown"])
+    state.param.watch(say, ["generating", "engine_ready", "generate_error", "shown", "compose_tab"])
     say()
     return pn.Column(nobody, _Stage(session).place, sizing_mode="stretch_both", margin=0)
 
@@ -48,7 +51,7 @@ class _Stage:
         self.ids: list[str] = []
         """The takes on it, in its order."""
         self.motions: list[Motion] = []
-        session.state.param.watch(self._show, ["shown", "takes", "edited", "preview"])
+        session.state.param.watch(self._show, ["shown", "takes", "edited", "preview", "compose_tab"])
         session.state.param.watch(self._reselect, "selected")
         session.state.param.watch(self._dress, "worn")
         self._show()
@@ -76,6 +79,8 @@ class _Stage:
         if state.preview:
             return [("", name, motion) for name, motion in state.preview]
         takes = [take for take in map(state.take, state.shown) if take is not None]
+        if not takes and state.compose_tab == "sequence":
+            return [("", "", _at_rest())]  # the timeline is the player's, and nobody is here yet
         return [(take.id, take.title, motion) for take in takes if (motion := self.session.editing.motion(take))]
 
     def _reselect(self, *_: Any) -> None:
@@ -136,6 +141,14 @@ class _Stage:
 
     def _edited(self, event: Any) -> None:
         self.session.editing.set(self.session.state.selected, event.new.split(","))
+
+
+@cache
+def _at_rest() -> Motion:
+    """Somebody who stands there."""
+    turns = np.zeros((1, len(SMPL22), 4))
+    turns[..., 0] = 1.0
+    return Motion(SMPL22, turns, np.zeros((1, 3)), 20.0).on_ground()
 
 
 def _pins(session: Session) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from studio.settings import GenerateSettings
 from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.parts import TakeGallery
-from studio.wording import duration
+from studio.wording import counted, duration
 from viewers.scene import PALETTE
 
 
@@ -43,6 +43,8 @@ def gallery(session: Session) -> TakeGallery:
 
 def drawn_from(made: GenerateSettings) -> str:
     """Which draw a take is, in a line."""
+    if made.sequence:
+        return counted(len(made.sequence.blocks), "block")
     if made.blend:
         return f"{100 * made.blend['share']:.0f} % of the way · seeds {made.seed}, {made.blend['seed']:.0f}"
     return f"seed {made.seed} · {made.take} of {made.count}"

@@ -9,16 +9,15 @@ import pytest
 
 from engines.errors import Cancelled, MotionloomError
 from studio import sequencing, tasks
+from studio.library.motions import Cache
 from studio.sequence import Block, Sequence
 from studio.settings import GenerateSettings
 from tests.studio.fakes import FakeEngine, sway
 
 
 @pytest.fixture(autouse=True)
-def nothing_at_hand():
-    sequencing.at_hand.clear()
-    yield
-    sequencing.at_hand.clear()
+def nothing_at_hand(monkeypatch):
+    monkeypatch.setattr(sequencing, "at_hand", Cache())
 
 
 def asked(*blocks: Block, **more) -> GenerateSettings:
@@ -59,13 +58,13 @@ def test_only_what_a_change_touches_is_made_again(engine):
     assert [(call["action"], call["seed"]) for call in engine.calls[3:]] == [("run", 11)]
 
 
-def test_draws_differ_but_for_what_is_locked(engine):
+def test_draws_differ_but_for_what_is_locked(engine, monkeypatch):
     blocks = Sequence(THREE).changed("2", locked=True).blocks
     tasks.generate(asked(*blocks, count=3))
     assert sorted({(call["action"], call["seed"]) for call in engine.calls}) == [
         ("jump", 7), ("jump", 8), ("jump", 9), ("run", 7), ("walk", 7), ("walk", 8), ("walk", 9),
     ]  # fmt: skip
-    sequencing.at_hand.clear()
+    monkeypatch.setattr(sequencing, "at_hand", Cache())
     engine.calls.clear()
     (third,) = tasks.generate(asked(*blocks, count=3, take=3))
     assert {call["seed"] for call in engine.calls} == {7, 9}
@@ -98,7 +97,7 @@ def test_progress_and_cancel(engine):
 
 
 def test_ten_minutes_stream_in_the_memory_of_one(engine, monkeypatch):
-    monkeypatch.setattr(sequencing, "at_hand", sequencing._AtHand(600))
+    monkeypatch.setattr(sequencing, "at_hand", Cache(2**20))
 
     def peak(blocks: int) -> int:
         engine.calls.clear()
