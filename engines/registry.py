@@ -41,9 +41,16 @@ def _text2motion(**options: Any) -> Any:
     return engine.load(**options)
 
 
+def _multiact(**options: Any) -> Any:
+    from engines.multiact import engine
+
+    return engine.load(**options)
+
+
 _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
     "action2motion": ("an action's name becomes a motion (temporal VAE, Guo et al. 2020)", _action2motion),
     "loom": ("actions, styles, sentences, poses and paths become a motion (flow matching, our own)", _loom),
+    "multiact": ("actions one after another, without end, with the transitions between (Lee et al. 2023)", _multiact),
     "text2motion": (
         "a sentence becomes a motion as long as it calls for (temporal VAE, Guo et al. 2022)",
         _text2motion,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from engines.errors import OutOfRangeError, UnknownLabelError
-from studio.commands import train_stylization, train_text2motion
+from studio.commands import train_multiact, train_stylization, train_text2motion
 from studio.commands.console import progress_bar
 from studio.commands.training import (
     DataOption,
@@ -275,5 +275,6 @@ def evaluator(  # noqa: PLR0913, PLR0917 (one parameter an option)
         train_evaluator.train(task, train_evaluator.Wanted(run / "checkpoint.pt", export, steps, seed, stopped))
 
 
+app.command("multiact")(train_multiact.multiact)
 app.command("stylization")(train_stylization.stylization)
 app.command("text2motion")(train_text2motion.text2motion)
