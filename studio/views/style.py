@@ -91,7 +91,7 @@ def _options(session: Session) -> pn.Column:
     part = Manner(most=MAX_STRENGTH, sizing_mode="stretch_width", margin=0)
     tie(part, state, strength="strength", feet="feet", tempo="tempo")
     follow(part, state, ["capabilities"], lambda: {"timed": "tempo" in state.capabilities})
-    count = dressed(pn.widgets.IntInput, label="Variations", step=1, start=1, end=MAX_COUNT)
+    count = dressed(pn.widgets.IntInput, label="How many", step=1, start=1, end=MAX_COUNT)
     tie(count, state, value="count")
     seed = Seed(sizing_mode="stretch_width", margin=0)
     tie(seed, session.state, value="seed", locked="seed_locked")

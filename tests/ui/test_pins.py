@@ -78,7 +78,7 @@ def test_typed_words_are_generated(pinning, told):
     page.get_by_role("button", name="someone runs, then jumps").click()
     expect(page.get_by_label("Describe the motion")).to_have_value("someone runs, then jumps")
     page.get_by_label("Describe the motion").fill("a person hops <b>happily</b>")
-    page.get_by_label("Style").select_option("happy")
+    page.get_by_label("Style", exact=True).select_option("happy")
     expect(button).to_be_enabled()
     asked = generate(pinning, told)
     assert (asked["action"], asked["prompt"], asked["style"]) == (None, "a person hops <b>happily</b>", "happy")
@@ -225,12 +225,12 @@ def test_another_engine_has_only_its_own_controls(pinning):
     expect(page.get_by_role("tab", name="Text")).to_have_count(0)
     for name in ("Constraints", "Advanced"):
         expect(page.get_by_role("button", name=name)).to_be_hidden()
-    expect(page.get_by_label("Style")).to_be_hidden()
+    expect(page.get_by_label("Style", exact=True)).to_be_hidden()
     page.get_by_role("tab", name="Body").click()
     expect(page.get_by_role("region", name="Bones of the next takes")).to_be_visible()
     page.get_by_label("Engine", exact=True).select_option("stand-in")
     expect(page.get_by_role("tab", name="Text")).to_be_visible()
-    expect(page.get_by_label("Style")).to_be_visible()
+    expect(page.get_by_label("Style", exact=True)).to_be_visible()
 
 
 GENERATE = ".left .go"

@@ -151,7 +151,7 @@ def test_a_place_on_the_map_is_chosen_looked_at_and_kept(tab, tmp_path):
     wait_for(lambda: themap.locator(".point").get_attribute("cx") != at, "the point to move")
     dots.nth(11).click(force=True)
     wait_for(lambda: names(tab) == ["Draw 12"], "the draw that was pressed")
-    expect(themap.locator("img.peek")).to_have_attribute("src", re.compile("^data:image"))
+    expect(themap.locator(".peek img")).to_have_attribute("src", re.compile("^data:image"))
     points = np.array(
         themap.evaluate("(map) => [...map.querySelectorAll('.dot')].map(d => [d.cx, d.cy].map(c => c.baseVal.value))")
     )
