@@ -6,6 +6,7 @@ import os
 import shutil
 import tempfile
 import uuid
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -96,26 +97,44 @@ class Exchange:
 
     # ---- out ----------------------------------------------------------------------------------------------
 
-    def export(self, take_id: str = "") -> None:
-        """Write a take by the state's export settings; the finished file is offered for download."""
+    def chosen(self) -> list[Take]:
+        """What an export writes: the takes ticked for comparison if the selected one is among them, else that one."""
         state = self.session.state
-        take = state.take(take_id)
-        if take is None or state.export_status in ("queued", "running"):
+        ticked = state.compared if state.selected in state.compared else [state.selected]
+        return [take for take in map(self.session.takes.get, ticked) if take is not None]
+
+    def export(self) -> None:
+        """Write the chosen takes by the state's export settings; the finished file is offered for download.
+
+        Several of them come in a .zip.
+        """
+        state, takes = self.session.state, self.chosen()
+        if not takes or state.export_status in ("queued", "running"):
             return
-        how = replace(state.export_settings(), edits=take.edits)
-        subject = take.subject if take.settings else Path(take.subject).stem
-        name = f"{self._prefix()}{take.id}-{tasks.slug(subject)}{ending(state.export_format)}"
+        how = state.export_settings()
+        files = [(take, self._file_name(take)) for take in takes]
+        name = files[0][1] if len(files) == 1 else f"{self._prefix()}{len(files)}-takes.zip"
         self.folder = self.folder or Path(tempfile.mkdtemp(prefix=mark()))
-        path = Path(tempfile.mkdtemp(dir=self.folder)) / name
+        folder = Path(tempfile.mkdtemp(dir=self.folder))
         state.param.update(
             export_status="queued", export_progress=0.0, export_error="", export_name=name, export_url="",
             export_bytes=0,
         )  # fmt: skip
 
         def write(progress: Progress, cancel: Cancel) -> Path:
-            return tasks.export(take.motion, path, how, progress, cancel)
+            for number, (take, file) in enumerate(files):
+
+                def share(done: int, total: int | None, number: int = number) -> None:
+                    progress(number * (total or 1) + done, len(files) * (total or 1))
+
+                tasks.export(take.motion, folder / file, replace(how, edits=take.edits), share, cancel)
+            return folder / name if len(files) == 1 else _packed(folder, [file for _, file in files], name)
 
         self._exporting = self.session.submit(name, write, self._exported, lane="file")
+
+    def _file_name(self, take: Take) -> str:
+        subject = take.subject if take.settings else Path(take.subject).stem
+        return f"{self._prefix()}{take.id}-{tasks.slug(subject)}{ending(self.session.state.export_format)}"
 
     def cancel_export(self) -> None:
         """Stop the export under way."""
@@ -146,6 +165,15 @@ class Exchange:
     def _prefix(self) -> str:
         name = self.session.state.scene.strip()
         return "" if name in ("", UNTITLED) else tasks.slug(name) + "-"
+
+
+def _packed(folder: Path, files: list[str], name: str) -> Path:
+    """Files of a folder in a .zip beside them, in their place."""
+    with zipfile.ZipFile(folder / f"{name}.part", "w") as archive:
+        for file in files:
+            archive.write(folder / file, file)
+            (folder / file).unlink()
+    return (folder / f"{name}.part").rename(folder / name)
 
 
 def read_upload(name: str, data: bytes) -> engines.Motion:

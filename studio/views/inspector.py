@@ -21,7 +21,7 @@ from studio.views.binding import follow, tie
 from studio.views.body import body_panel
 from studio.views.forms import column, dressed, html, row
 from studio.views.parts import ExportBox, Segments, Tags
-from studio.wording import duration
+from studio.wording import counted, duration
 
 FORMATS = [
     ("mp4", "MP4"), ("webm", "WebM"), ("gif", "GIF"), ("png", "Strip"), ("bvh", "BVH"), ("glb", "GLB"), ("csv", "CSV"),
@@ -244,11 +244,11 @@ def _export_box(session: Session) -> ExportBox:
     )  # fmt: skip
 
     def label() -> dict[str, Any]:
-        take = state.take()
-        name = take.title.lower() if take else "a take"
-        return {"ready": take is not None, "label": f"Export {name} as {state.export_format.upper()}"}
+        takes = session.files.chosen()
+        name = takes[0].title.lower() if len(takes) == 1 else counted(len(takes), "take") if takes else "a take"
+        return {"ready": bool(takes), "label": f"Export {name} as {state.export_format.upper()}"}
 
-    follow(box, state, ["selected", "takes", "export_format"], label)
+    follow(box, state, ["selected", "takes", "compared", "export_format"], label)
     box.on("export", lambda _: session.files.export())
     box.on("cancel", lambda _: session.files.cancel_export())
     return box

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import threading
+import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -119,6 +120,21 @@ def test_named_scene_is_part_of_file_names(started, settle):
     started.files.export()
     settle(started)
     assert started.state.export_name == "morning-scene-take-1-walk.bvh"
+
+
+def test_ticked_takes_are_exported_together(started, settle):
+    state = started.state
+    state.param.update(selected="take-3", compared=["take-1", "take-3"], export_format="npz")
+    started.files.export()
+    settle(started)
+    assert (state.export_status, state.export_name, state.export_progress) == ("done", "2-takes.zip", 1.0)
+    _route, key, offered = state.export_url.split("/")
+    path = downloads.find(key, offered)
+    with zipfile.ZipFile(path) as archive:
+        assert archive.namelist() == ["take-1-walk.npz", "take-3-walk.npz"]
+    assert [file.name for file in path.parent.iterdir()] == ["2-takes.zip"]
+    state.selected = "take-2"
+    assert [take.id for take in started.files.chosen()] == ["take-2"]
 
 
 def test_cancel_of_an_export_leaves_no_file(started, settle, monkeypatch):
