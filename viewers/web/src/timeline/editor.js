@@ -19,7 +19,7 @@ export class Editor {
     for (const [name, field] of Object.entries(this.fields)) field.addEventListener("change", () => this.#changed(name));
     this.title = h("strong");
     const close = button({ label: "Close", symbol: "close", key: "Escape", className: "icon", onclick: () => this.close(true) });
-    const labels = { kind: "Kind", what: "Shows", style: "Style", engine: "Engine", seconds: "Seconds", transition: "Transition before", seed: "Seed" };
+    const labels = { kind: "Kind", what: "Shows", style: "Style", engine: "Engine", seconds: "Seconds", transition: "Transition", seed: "Seed" };
     this.rows = Object.fromEntries(Object.entries(this.fields).map(([name, field]) => [name, h("label", { class: name }, h("span", {}, labels[name]), field)]));
     this.element = h("div", { class: "seq-editor", role: "dialog", "aria-label": "Block", hidden: true },
       h("div", { class: "seq-editor-head" }, this.title, close), this.known, h("div", { class: "seq-fields" }, ...Object.values(this.rows)));
@@ -59,7 +59,7 @@ export class Editor {
     this.title.textContent = `Block ${index + 1}${block.locked ? ", locked" : ""}`;
     this.known.replaceChildren(...(block.kind === "action" ? actions : []).map((name) => h("option", { value: name })));
     fill(this.fields.style, [["", "any"], ...styles.map((name) => [name, name])]);
-    fill(this.fields.engine, [["", "as the others"], ...engines.map((name) => [name, name])]);
+    fill(this.fields.engine, [["", "usual"], ...engines.map((name) => [name, name])]);
     this.rows.kind.hidden = block.kind === "clip" || !words;
     this.rows.style.hidden = block.kind === "clip" || !styles.length;
     this.rows.engine.hidden = block.kind === "clip" || engines.length < 2;

@@ -51,6 +51,7 @@ export class Sequencer {
     this.observer.observe(view);
     view.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.ruler.addEventListener("pointerdown", (event) => this.#scrub(event));
+    this.blocks.element.addEventListener("focusin", ({ target }) => { if (target.dataset.part === "block") this.pick(target.dataset.id); });
     this.blocks.element.addEventListener("keydown", (event) => {
       if (onBlockKey(this, event)) {
         event.preventDefault();
