@@ -18,7 +18,7 @@ from engines.errors import Cancelled, MotionloomError, UnknownLabelError
 from engines.geometry.seams import join
 from studio.jobs import Cancel, Progress
 from studio.library.motions import Cache
-from studio.sequence import RATE, Block
+from studio.sequence import EMPTY, RATE, Block
 from studio.settings import GenerateSettings, usual_engine
 
 SEEN = 20
@@ -27,7 +27,6 @@ _STEADY = 0.4
 """Seconds over which heading and speed at an end are averaged: a step sways."""
 _FLOOR = np.array([1.0, 0.0, 1.0])
 """Times a place is that place on the floor."""
-
 
 at_hand = Cache(64 * 2**20)
 """Blocks and transitions made last, by what they depend on."""
@@ -42,7 +41,7 @@ def make(settings: GenerateSettings, progress: Progress | None = None, cancel: C
     """
     demand(settings)
     wanted = range(settings.count) if settings.take is None else (settings.take - 1,)
-    blocks = len(settings.sequence.blocks)
+    total, done = len(wanted) * len(settings.sequence.blocks), 0
     made: list[Motion] = []
     for draw in wanted:
         varied = replace(settings, sequence=settings.sequence.reseeded(lambda block, by=draw: block.seed + by))
@@ -51,11 +50,9 @@ def make(settings: GenerateSettings, progress: Progress | None = None, cancel: C
             if cancel is not None and cancel():
                 raise Cancelled("the sequence was cancelled; nothing of it was kept.")
             parts.append(part)
+            done += part.labels[0].kind != "transition"
             if progress is not None:
-                # every block but the first comes behind its transition
-                progress(
-                    len(made) * blocks + sum(p.labels[0].kind != "transition" for p in parts), len(wanted) * blocks
-                )
+                progress(done, total)
         made.append(_whole(parts, settings, draw))
     return made
 
@@ -142,11 +139,10 @@ def _asked(block: Block, settings: GenerateSettings) -> GenerateSettings:
     from studio import tasks
 
     name, variant = _engine(block, settings)
-    return GenerateSettings(
-        engine=name, variant=variant, action=block.what if block.kind == "action" else "",
-        prompt=block.what if block.kind == "prompt" else "", style=block.style,
-        frames=block.frames(tasks.load_engine(name, variant).fps), seed=block.seed, count=1,
-        guidance=settings.guidance,
+    return replace(
+        settings, engine=name, variant=variant, sequence=EMPTY, action=block.what if block.kind == "action" else "",
+        prompt=block.what if block.kind == "prompt" else "", style=block.style or settings.style,
+        frames=block.frames(tasks.load_engine(name, variant).fps), seed=block.seed, count=1, take=None, bone_scale={},
     )  # fmt: skip
 
 

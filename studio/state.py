@@ -177,12 +177,6 @@ class StudioState(param.Parameterized):
             MotionloomError: something asked is out of range.
         """
         can = self.capabilities
-        if self.request == "sequence":
-            return GenerateSettings(
-                engine=self.engine, variant=self.variant, count=1,
-                frames=min(max(self.sequence.frames(self.fps), 2), MAX_FRAMES),
-                guidance=self.guidance if "guidance" in can else GenerateSettings.guidance, sequence=self.sequence,
-            )  # fmt: skip
         words = self.request == "text" and "text" in can
         told: dict[str, Any] = {
             "bone_scale": dict(self.bone_scale) if "scale_bones" in can else None,
@@ -191,10 +185,17 @@ class StudioState(param.Parameterized):
             "best_of": self.best_of if "best_of" in can else None,
             "constraints": self.pinned if "constraints" in can else None,
         }
+        told = {name: value for name, value in told.items() if value is not None}
+        if self.request == "sequence":
+            told = {name: value for name, value in told.items() if name not in ("style", "constraints")}
+            frames = min(max(self.sequence.frames(self.fps), 2), MAX_FRAMES)
+            return GenerateSettings(
+                engine=self.engine, variant=self.variant, frames=frames, count=1, sequence=self.sequence, **told
+            )
         return GenerateSettings(
             engine=self.engine, variant=self.variant, action="" if words else " ".join(self.action.lower().split()),
             prompt=" ".join(self.prompt.split()) if words else "", frames=self.frames, seed=self.seed,
-            count=self.count, **{name: value for name, value in told.items() if value is not None},
+            count=self.count, **told,
         )  # fmt: skip
 
     def export_settings(self) -> ExportSettings:
