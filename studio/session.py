@@ -37,8 +37,6 @@ log = logging.getLogger(__name__)
 
 STAGE_LIMIT = 16
 """Most takes the stage shows at once."""
-LONGEST_PINNED = 200
-"""Frames of a motion of which something is pinned, where an engine does not say."""
 
 
 class Session:
@@ -371,37 +369,12 @@ class Session:
             if job.status == "failed":
                 state.generate_error = job.error
             elif job.status == "done":
-                self._describe(job.result)
+                self._loaded = (name, job.result.variant)
+                state.describe(job.result)
                 if then is not None:
                     then()
 
         self.submit(f"load {name}", lambda _progress, _cancel: tasks.load_engine(name, variant), show)
-
-    def _describe(self, engine: Any) -> None:
-        """Copy what an engine says about itself into the state; the controls are built from it."""
-        self._loaded = (self.state.engine, engine.variant)
-        known = [action.name for action in engine.actions]
-        styles = [str(style) for style in getattr(engine, "styles", ())]
-        can = frozenset(engine.capabilities)
-        action = self.state.action if self.state.action in known or not known else known[0]
-        self.state.param.update(
-            variant=engine.variant,
-            capabilities=can,
-            actions=tuple(engine.actions),
-            styles=styles,
-            style=self.state.style if self.state.style in styles else "",
-            max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)),
-            tool=self.state.tool if "constraints" in can else "none",
-            request="action" if self.state.request == "text" and "text" not in can else self.state.request,
-            compose_tab="action" if self.state.compose_tab == "text" and "text" not in can else self.state.compose_tab,
-            variants=list(getattr(engine, "variants", ())),
-            fps=float(engine.fps),
-            max_frames=int(engine.max_frames),
-            licence=engine.licence,
-            weights_hash=engine.weights_hash,
-            action=action,
-            engine_ready=True,
-        )
 
     def submit(self, title: str, work: Work, show: Callable[[Job], None], lane: str = "generate") -> Job:
         """Run work in the queue; `show(job)` is called on the state's thread, at most once after the end."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import param
@@ -25,6 +26,9 @@ from studio.settings import (
 )
 from studio.takes import Take
 from studio.wording import counted, duration
+
+LONGEST_PINNED = 200
+"""Frames of a motion of which something is pinned, where an engine does not say."""
 
 
 class StudioState(param.Parameterized):
@@ -162,6 +166,29 @@ class StudioState(param.Parameterized):
     def _tab_changed(self, event: Any) -> None:
         if event.new in ("action", "text", "sequence"):
             self.request = event.new
+
+    def describe(self, engine: Any, variants: Iterable[str] | None = None) -> None:
+        """Copy what an engine says about itself; the controls are built from it.
+
+        Args:
+            engine: that is loaded.
+            variants: between which there is a choice; the engine's own unless given.
+        """
+        actions, can = tuple(getattr(engine, "actions", ())), frozenset(engine.capabilities)
+        known, styles = [action.name for action in actions], [str(style) for style in getattr(engine, "styles", ())]
+        wordless = "text" not in can
+        self.param.update(
+            variant=engine.variant, capabilities=can, actions=actions, styles=styles,
+            variants=list(getattr(engine, "variants", ()) if variants is None else variants), fps=float(engine.fps),
+            max_frames=int(getattr(engine, "max_frames", MAX_FRAMES)), licence=engine.licence,
+            max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)), weights_hash=engine.weights_hash,
+            action=self.action if self.action in known or not known else known[0],
+            style=self.style if self.style in styles else "",
+            tool=self.tool if "constraints" in can else "none",
+            request="action" if self.request == "text" and wordless else self.request,
+            compose_tab="action" if self.compose_tab == "text" and wordless else self.compose_tab,
+            engine_ready=True,
+        )  # fmt: skip
 
     # ---- derived ------------------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ from studio import draws, tasks
 from studio.given import Given
 from studio.jobs import Cancel, Job, JobQueue, Progress, shared_queue
 from studio.pinning import Pinning
-from studio.session import LONGEST_PINNED
-from studio.settings import MAX_FRAMES, MAX_STRENGTH, GenerateSettings, usual_engine
+from studio.settings import MAX_STRENGTH, GenerateSettings, usual_engine
 from studio.state import StudioState
 from studio.takes import Take, TakeList
 from studio.wording import counted
@@ -176,19 +175,8 @@ class Maker:
 
     def _describe(self) -> None:
         """Copy what the engine says about itself into the state."""
-        engine, state = self.engine, self.state
-        actions = tuple(getattr(engine, "actions", ()))
-        known = [action.name for action in actions]
-        can = frozenset(engine.capabilities)
-        state.param.update(
-            variant=engine.variant, capabilities=can, actions=actions,
-            styles=[str(style) for style in getattr(engine, "styles", ())], variants=list(self.choice),
-            max_pinned=int(getattr(engine, "max_pinned_frames", LONGEST_PINNED)), fps=float(engine.fps),
-            max_frames=int(getattr(engine, "max_frames", MAX_FRAMES)), licence=engine.licence,
-            weights_hash=engine.weights_hash,
-            action=state.action if state.action in known or not known else known[0],
-            request="action" if known else "text", engine_ready=True,
-        )  # fmt: skip
+        self.state.describe(self.engine, self.choice)
+        self.state.request = "action" if self.state.actions else "text"
 
     def _begin(self, given: dict[str, Any]) -> None:
         known = MANNER if isinstance(self.state, Manner) else BEGIN

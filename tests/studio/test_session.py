@@ -82,7 +82,7 @@ def test_body_proportions_reach_the_engine_and_the_take(started, engine, settle)
 
 
 def test_cancel_of_a_draw_leaves_no_take(session, engine, settle):
-    engine.slow = 0.05
+    engine.slow = 0.3
     session.start()
     while not session.state.generating:
         threading.Event().wait(0.01)
