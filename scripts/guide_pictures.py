@@ -137,6 +137,22 @@ def pinned(tab: Tab) -> None:
     generate(tab, 1)
 
 
+def arranged(tab: Tab) -> None:
+    """Blocks on the timeline, made into one motion."""
+    tab.page.get_by_role("tab", name="Sequence", exact=True).click()
+    for count, action in enumerate(("walk", "turn left", "run", "bow"), 1):
+        tab.page.get_by_role("option", name=action, exact=True).click()
+        wait_for(lambda count=count: tab.player("player.sequence.blocks.length") == count, f"block {count}")
+    words = tab.page.get_by_label("A block in words")
+    words.fill("a person waves, proudly")
+    words.press("Enter")
+    expect(tab.page.get_by_role("button", name=re.compile("^Block 5 of 5: a person waves"))).to_be_visible()
+    before = tab.page.locator(".take").count()
+    tab.page.get_by_role("button", name="Make the sequence").click()
+    tab.takes(before + 1)
+    wait_for(lambda: tab.player("player.sequence.blocks.every(({ made }) => made)"), "the sequence to be made")
+
+
 def shaped(tab: Tab) -> None:
     """A body of another shape."""
     tab.page.get_by_role("tab", name="Body", exact=True).click()
@@ -171,6 +187,7 @@ STEPS = (
     Step("text", "Ask in words", in_words, 40),
     Step("vary", "Go on from a moment", varied, 50),
     Step("pin", "Say where", pinned, 59),
+    Step("sequence", "Arrange a scene", arranged, 96),
     Step("body", "Give it a body", shaped, 30),
     Step("export", "Take it with you", exported, 30),
     Step("projects", "Keep it", kept, 30),

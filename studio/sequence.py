@@ -245,8 +245,8 @@ class Sequence:
             if key != "blocks":
                 raise UnknownLabelError("key of sequence", key, ["blocks"])
         entries = tree.get("blocks", [])
-        if len(entries) > MOST_BLOCKS:
-            raise OutOfRangeError("number of blocks", len(entries), f"up to {MOST_BLOCKS}")
+        if tree and not 1 <= len(entries) <= MOST_BLOCKS:
+            raise OutOfRangeError("number of blocks", len(entries), f"1 to {MOST_BLOCKS}")
         return cls(tuple(_block(number, entry) for number, entry in enumerate(entries, 1)))
 
 

@@ -166,6 +166,8 @@ class StudioState(param.Parameterized):
     def _tab_changed(self, event: Any) -> None:
         if event.new in ("action", "text", "sequence"):
             self.request = event.new
+        elif self.request == "sequence":  # what else is made of takes and draws is not made of blocks
+            self.request = "action"
 
     def describe(self, engine: Any, variants: Iterable[str] | None = None) -> None:
         """Copy what an engine says about itself; the controls are built from it.

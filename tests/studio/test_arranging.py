@@ -107,6 +107,10 @@ def test_a_take_of_it_shows_its_blocks_and_work_goes_on_where_it_was(open_sessio
     assert as_shown(session) == {}
     session.select(made.id)
     assert len(as_shown(session)["blocks"]) == 2, "a take of a sequence shows it in any tab"
+    session.restore(made.id)
+    assert (state.compose_tab, state.request) == ("sequence", "sequence")
+    state.compose_tab = "vary"
+    assert state.request == "action"
 
 
 def test_regenerate_and_new_seeds_leave_what_is_locked(open_session, engine, settle):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import tracemalloc
 
 import numpy as np
 import pytest
 
+import engines
 from engines.errors import Cancelled, MotionloomError
 from studio import sequencing, tasks
 from studio.library.motions import Cache
@@ -85,6 +87,15 @@ def test_what_no_engine_can_make_is_said_with_the_block(engine):
     with pytest.raises(MotionloomError, match="block 1: fake takes no prompt"):
         tasks.generate(asked(Block("somebody waves", "prompt")))
     assert not engine.calls, "nothing is made before all is known to be possible"
+
+
+def test_the_command_line_makes_a_settings_file(engine, run, tmp_path):
+    blocks = [{"what": "walk", "seconds": 1}, {"what": "run", "seconds": 1, "transition": 0.5}]
+    (tmp_path / "scene.json").write_text(json.dumps({"generate": {"engine": "fake", "sequence": {"blocks": blocks}}}))
+    code, _, said = run("generate", "--settings", "scene.json", "-n", "1", "-o", "scene.npz")
+    assert (code, said) == (0, "")
+    made = engines.read(tmp_path / "scene.npz")
+    assert (len(made), [label.value for label in made.labels]) == (50, ["walk", "walk > run", "run"])
 
 
 def test_progress_and_cancel(engine):

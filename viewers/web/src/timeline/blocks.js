@@ -4,6 +4,7 @@ import { prepare } from "../ui/timeline.js";
 import { LONGEST_TRANSITION, within } from "./layout.js";
 
 const THINNEST = 5; // pixels; narrower blocks are painted
+const NARROW = 34; // pixels in which there is no room for a second line
 const LEAST_GAP = 9; // pixels in which a transition can be taken hold of
 
 export class Blocks {
@@ -41,34 +42,47 @@ export class Blocks {
 
   #show(span, left) {
     const { sequencer } = this;
-    const { block, gap } = this.there.get(span.block.id) ?? this.#make(span.block.id);
-    const { what, seconds, locked, made, kind, style, seed } = span.block;
+    const entry = this.there.get(span.block.id) ?? this.#make(span.block.id);
+    const { block, gap } = entry;
     const picked = sequencer.player.options.block === span.block.id;
-    const width = seconds * sequencer.scale;
-    block.className = `block seq ${kind}${made ? "" : " stale"}${locked ? " locked" : ""}${picked ? " picked" : ""}${left === null ? "" : " held"}`;
-    block.style.cssText = `left:${left ?? sequencer.x(span.start)}px;width:${Math.max(width - 1, 2)}px;--hue:${sequencer.hues.get(what)}`;
+    const width = span.block.seconds * sequencer.scale;
+    block.style.left = `${left ?? sequencer.x(span.start)}px`;
+    block.style.width = `${Math.max(width - 1, 2)}px`;
+    this.#placeGap(gap, span);
+    // all else stays while it is only zoomed and scrolled
+    const { spans, hues } = sequencer;
+    const said = [span.block, span.index, spans.length, picked, sequencer.picked === null, left === null, width < NARROW, hues.get(span.block.what)];
+    if (said.every((value, i) => value === entry.said?.[i])) return;
+    entry.said = said;
+    this.#describe(entry, span, picked, left !== null);
+    block.classList.toggle("bare", width < NARROW);
+  }
+
+  #describe({ block, gap }, span, picked, held) {
+    const { sequencer } = this;
+    const { what, seconds, locked, made, kind, style, seed } = span.block;
+    block.className = `block seq ${kind}${made ? "" : " stale"}${locked ? " locked" : ""}${picked ? " picked" : ""}${held ? " held" : ""}`;
+    block.style.setProperty("--hue", sequencer.hues.get(what));
     block.setAttribute("aria-label", inWords(span, sequencer.spans.length));
     block.setAttribute("aria-current", String(picked));
     block.tabIndex = picked || (!sequencer.picked && span.index === 0) ? 0 : -1;
     block.title = `${what}\n${seconds} s${style ? `, ${style}` : ""}${kind === "clip" ? "" : `, seed ${seed}`}${made ? "" : ", not made yet"}`;
     block.querySelector("b").textContent = kind === "prompt" ? `“${what}”` : what;
     block.querySelector("small").textContent = [`${seconds} s`, style, kind === "clip" ? "clip" : `seed ${seed}`].filter(Boolean).join(" · ");
-    block.classList.toggle("bare", width < 34);
-    this.#showGap(gap, span, picked);
-  }
-
-  #showGap(gap, span, picked) {
-    const { sequencer } = this;
     gap.hidden = span.index === 0;
-    if (gap.hidden) return;
-    const width = span.gap * sequencer.scale;
-    const room = Math.max(width - 1, LEAST_GAP);
-    gap.style.cssText = `left:${sequencer.x(span.start) - width / 2 - room / 2}px;width:${room}px`;
-    gap.classList.toggle("slim", width < LEAST_GAP);
     gap.tabIndex = picked ? 0 : -1;
     gap.title = `Transition, ${span.gap} s: drag it longer or shorter`;
     gap.setAttribute("aria-label", `Transition to ${span.block.what}, seconds`);
     gap.setAttribute("aria-valuenow", span.gap);
+  }
+
+  #placeGap(gap, span) {
+    const { sequencer } = this;
+    const width = span.gap * sequencer.scale;
+    const room = Math.max(width - 1, LEAST_GAP);
+    gap.style.left = `${sequencer.x(span.start) - width / 2 - room / 2}px`;
+    gap.style.width = `${room}px`;
+    gap.classList.toggle("slim", width < LEAST_GAP);
   }
 
   #make(id) {
@@ -76,8 +90,9 @@ export class Blocks {
       h("b"), h("small"), h("span", { class: "lock", "aria-hidden": "true" }, icon("lock")), h("i", { class: "edge", "data-part": "edge", "aria-hidden": "true" }));
     const gap = h("div", { class: "gap", "data-id": id, "data-part": "gap", role: "slider", "aria-valuemin": 0, "aria-valuemax": LONGEST_TRANSITION });
     this.element.append(gap, block);
-    this.there.set(id, { block, gap });
-    return { block, gap };
+    const entry = { block, gap, said: null };
+    this.there.set(id, entry);
+    return entry;
   }
 
   #paint(thin) {

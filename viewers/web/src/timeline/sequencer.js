@@ -26,6 +26,7 @@ export class Sequencer {
     this.from = 0;
     this.scale = 50;
     this.fitted = true;
+    this.width = 0; // of the view in pixels, kept: asking the page for it in between costs a layout each time
     this.blocks = new Blocks(this);
     this.editor = new Editor(this);
     this.menu = new Menu(this);
@@ -76,6 +77,7 @@ export class Sequencer {
 
   #receive() {
     this.element.hidden = !this.shown;
+    this.width = this.view.clientWidth;
     if (!this.shown) {
       this.editor.close();
       this.plan.refresh(false);
@@ -127,10 +129,6 @@ export class Sequencer {
   }
 
   // ---- the window ---------------------------------------------------------------------------------
-
-  get width() {
-    return this.view.clientWidth;
-  }
 
   get to() {
     return this.from + this.width / this.scale;
@@ -187,6 +185,7 @@ export class Sequencer {
   }
 
   #resized() {
+    this.width = this.view.clientWidth;
     if (!this.shown || !this.width) return;
     if (this.fitted) this.fit();
     else this.#place(this.from, this.scale);
@@ -212,15 +211,15 @@ export class Sequencer {
   #drawRuler() {
     const { context, width, height } = prepare(this.marks);
     const style = getComputedStyle(this.element);
-    const step = tickStep(this.scale);
-    const minor = step / 5;
+    const [tick, faint] = ["--tick", "--faint"].map((name) => style.getPropertyValue(name));
+    const minor = tickStep(this.scale) / 5;
     context.font = `10.5px ${style.fontFamily}`;
     for (let i = Math.max(0, Math.floor(this.from / minor)); i * minor <= this.to; i++) {
       const x = Math.round(this.x(i * minor));
       const tall = i % 5 === 0;
-      context.fillStyle = style.getPropertyValue("--tick");
+      context.fillStyle = tick;
       context.fillRect(x, height - (tall ? 8 : 4), 1, tall ? 8 : 4);
-      context.fillStyle = style.getPropertyValue("--faint");
+      context.fillStyle = faint;
       if (tall && x < width - 26) context.fillText(clockText(i * minor), x + 4, 11);
     }
   }
