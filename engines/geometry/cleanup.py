@@ -19,6 +19,8 @@ _GAP = 2
 """Frames without contact, at most, that interrupt no standing."""
 _SHORTEST = 3
 """Frames of contact that count as standing."""
+_EASE = 2.0
+"""Frames over which a body's travel gives in to its feet (deviation of a Gaussian)."""
 _STRETCH = 0.998
 """Of a leg, at most: a straight one has no knee to bend."""
 
@@ -44,6 +46,43 @@ def plant_feet(motion: Motion, contacts: Bool[np.ndarray, "T feet 2"] | None = N
         shift = _correction(points, touching[:, foot], _standing(motion, foot), round(fade * motion.fps))
         _bend(local, motion, skeleton.index(ankle), shift)
     return motion.replaced(rotations=rotations.continuous(rotations.matrix_to_quaternion(local)))
+
+
+def travel_on_feet(motion: Motion, given: Motion) -> Motion:
+    """The motion on a path its feet call for: one that stands in the motion it was made of moves as it does there.
+
+    Poses stay; where no foot stands the path keeps its own velocity. A motion that is the given one stays as it is.
+
+    Args:
+        motion: made of `given` frame by frame, at its rate.
+        given: says which ankles and toes stand, and how still.
+
+    Raises:
+        SkeletonError: no feet, or another skeleton.
+    """
+    skeleton = motion.skeleton
+    if not skeleton.feet:
+        raise SkeletonError(f"skeleton {skeleton.name!r} names no feet to stand on.")
+    if given.skeleton != skeleton:
+        raise SkeletonError(f"a motion of skeleton {skeleton.name!r} was not made of one of {given.skeleton.name!r}.")
+    points = [skeleton.index(name) for pair in skeleton.feet for name in pair]
+    stands = given.contacts.reshape(len(given), -1)
+    gap = given.positions[:, points] - motion.positions[:, points]
+    stay = stands[1:] & stands[:-1]
+    steps = (np.diff(gap, axis=0) * stay[..., None]).sum(axis=1) / np.maximum(stay.sum(axis=1), 1)[:, None]
+    steps = gaussian_filter1d(steps, _EASE, axis=0, mode="nearest") if len(steps) else steps
+    shift = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    shift[:, 1] = _lifted(gap[..., 1], stands)
+    return motion.replaced(translation=motion.translation + shift)
+
+
+def _lifted(gap: Float[np.ndarray, "T points"], stands: Bool[np.ndarray, "T points"]) -> Float[np.ndarray, " T"]:
+    """How far to lift a body so that standing feet are at their height, metres; in between from the one to the next."""
+    at = np.flatnonzero(stands.any(axis=1))
+    if not len(at):
+        return np.zeros(len(gap))
+    heights = (gap[at] * stands[at]).sum(axis=1) / stands[at].sum(axis=1)
+    return gaussian_filter1d(np.interp(np.arange(len(gap)), at, heights), _EASE, mode="nearest")
 
 
 def _standing(motion: Motion, foot: int) -> Float[np.ndarray, 2]:

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import torch
+from scipy.ndimage import gaussian_filter1d
 from torch import Tensor
 
 from engines.errors import OutOfRangeError, UnknownLabelError
 from engines.features.style import STYLE
+from engines.geometry.cleanup import travel_on_feet
 from engines.motion import Motion, Provenance, Segment
 from engines.skeletons import SMPL22
 from engines.stylization import train
@@ -27,6 +29,8 @@ _LEAST = 24
 LONGEST = 18_000
 MAX_COUNT = 256
 STRONGEST = 1.5
+_SMOOTH = 2.0
+"""Frames over which what the style changes is smoothed (deviation of a Gaussian): decoders tremble, manners do not."""
 _VARIANTS = ("ae", "vae", "ae-unsupervised", "vae-unsupervised")
 
 
@@ -187,7 +191,8 @@ class StylizationEngine:
         kept = self.config.kept
         own = kept * self._rebuilt(code, content) + (1 - kept) * code
         styled = code + strength * (model.generate(content.expand(len(told), -1, -1), told, label) - own)
-        made = given + model.decode(styled) - model.decode(code)
+        change = (model.decode(styled) - model.decode(code)).numpy()
+        made = given + torch.from_numpy(gaussian_filter1d(change, _SMOOTH, axis=1, mode="nearest"))
         given = given.expand_as(made)
         turning = given[..., LAYOUT["yaw_velocity"]]
         travel = given[..., LAYOUT["root_velocity"]] + model.travel(made, given) - model.travel(given, given)
@@ -208,6 +213,7 @@ class StylizationEngine:
         self, house: Motion, row: np.ndarray, style: str | None, said: dict[str, Any], seed: int, index: int
     ) -> Motion:
         motion = STYLE.decode(row, source="rotations", start=STYLE.start(house))
+        motion = travel_on_feet(motion, house)
         labels = [s for s in house.labels if s.kind != "style"]
         if style:
             labels.append(Segment(0, len(motion), "style", style))

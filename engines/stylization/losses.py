@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 from torch.func import functional_call
 from torch.nn.functional import cross_entropy, smooth_l1_loss
 
@@ -121,24 +121,24 @@ def stylization(model: Stylizer, first: Tensor, second: Tensor, label: Tensor | 
         "homo_style": config.hsa_weight * between(one, two),
     }
     if model.critic is not None and label is not None:
-        terms |= criticised(model.critic, config.critic_weight, made, label)
+        terms |= criticised(model, made, label)
     return terms
 
 
-def criticised(critic: nn.Module, weight: float, made: Pass, label: Tensor) -> Terms:
-    """What the critic learns, and what it says, as it is, of transferred codes.
+def criticised(model: Stylizer, made: Pass, label: Tensor) -> Terms:
+    """What the critic learns from real codes, and what it says, as it is, of transferred ones.
 
-    It tells real codes by their styles and transferred ones as such: a class of their own.
+    Of those it sees what is left once they were decoded: no code that means nothing persuades it.
     """
+    critic = model.critic
+    assert critic is not None
     z1, z2, _ = made.codes
     given = torch.cat([label, label]).argmax(dim=1)
-    wrong = torch.full((len(label),), label.shape[1], device=label.device)
-    seen = critic(torch.cat([z1, z2, made.transferred.detach()]))
     fixed = {name: value.detach() for name, value in critic.named_parameters()}
-    said = functional_call(critic, fixed, (made.transferred,))
+    said = functional_call(critic, fixed, (model.encode(model.decode(made.transferred)),))
     return {
-        "critic": cross_entropy(seen, torch.cat([given, wrong])),
-        "manner": weight * cross_entropy(said, swapped(label).argmax(dim=1)),
+        "critic": cross_entropy(critic(torch.cat([z1, z2])), given),
+        "manner": model.config.critic_weight * cross_entropy(said, swapped(label).argmax(dim=1)),
     }
 
 

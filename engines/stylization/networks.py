@@ -137,12 +137,12 @@ class StyleEncoder(nn.Module):
 
 
 class StyleCritic(nn.Module):
-    """Motion code -> how much it is of each style, and last whether it was made; dropout keeps its view broad."""
+    """Motion code -> how much it is of each style; dropout keeps its view broad."""
 
     def __init__(self, latent: int, channels: Sequence[int], labels: int) -> None:
         super().__init__()
         self.down = nn.ModuleList(convolution(a, b, stride=2) for a, b in itertools.pairwise((latent, *channels)))
-        self.output = nn.Linear(channels[-1], labels + 1)
+        self.output = nn.Linear(channels[-1], labels)
 
     def forward(self, code: Float[Tensor, "B Z L"]) -> Float[Tensor, "B S"]:
         """Logits."""

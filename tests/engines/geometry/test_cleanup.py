@@ -9,7 +9,7 @@ import pytest
 
 from engines.errors import SkeletonError
 from engines.geometry import rotations
-from engines.geometry.cleanup import plant_feet
+from engines.geometry.cleanup import plant_feet, travel_on_feet
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 from tests.engines.action2motion.tiny import movement
@@ -89,3 +89,27 @@ def test_a_skeleton_without_feet_is_refused() -> None:
     bare = replace(movement(5), skeleton=replace(SMPL22, feet=()))
     with pytest.raises(SkeletonError, match="no feet"):
         plant_feet(bare)
+
+
+def test_a_body_goes_where_its_standing_feet_call_for() -> None:
+    """Poses with deeper knees, on a path that glides: feet that stood in what they were made of stand again."""
+    given = sliding(40, bent=0.4, speed=0.0)
+    made = sliding(40, bent=0.7, speed=0.2).moved((0.0, 0.2, 0.0))
+    after = travel_on_feet(made, given)
+    assert given.contacts.all()
+    np.testing.assert_allclose(after.rotations, made.rotations)
+    np.testing.assert_allclose(np.ptp(after.positions[:, FEET][..., [0, 2]], axis=0), 0.0, atol=1e-6)
+    np.testing.assert_allclose(after.positions[:, FEET, 1].mean(), given.positions[:, FEET, 1].mean(), atol=1e-6)
+
+
+def test_what_nothing_was_done_to_and_what_flies_keep_their_path() -> None:
+    given = movement(40)
+    np.testing.assert_allclose(travel_on_feet(given, given).translation, given.translation, atol=1e-9)
+    flying = sliding(40, speed=0.2).moved((0.0, 3.0, 0.0))
+    made = sliding(40, bent=0.7, speed=0.5).moved((0.0, 3.0, 0.0))
+    np.testing.assert_allclose(travel_on_feet(made, flying).translation, made.translation)
+    footless = made.replaced(skeleton=replace(SMPL22, feet=()))
+    with pytest.raises(SkeletonError, match="was not made of one of"):
+        travel_on_feet(made, footless)
+    with pytest.raises(SkeletonError, match="no feet to stand on"):
+        travel_on_feet(footless, footless)

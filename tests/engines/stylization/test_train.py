@@ -50,7 +50,7 @@ def test_the_critic_learns_from_real_codes_only_and_does_not_ship(tmp_path: Path
     first, second, label = windows.pairs(np.random.default_rng(0))
     assert net.critic is not None
     made = losses.run(net, first, second, label, train._draws(net, 8, torch.Generator().manual_seed(0), Share(0, 1)))
-    said = losses.criticised(net.critic, 0.5, made, label)
+    said = losses.criticised(net, made, label)
     critic, generator = next(net.critic.parameters()), next(net.generator.parameters())
     for term, (learns, not_) in {"critic": (critic, generator), "manner": (generator, critic)}.items():
         grown, none = torch.autograd.grad(said[term], [learns, not_], allow_unused=True, retain_graph=True)
