@@ -75,7 +75,7 @@ class ActionBench:
         self.options, self.recogniser = options, recogniser
         held_out = [clip for clip in clips if clip.split in PARTS[options.data]]
         training = [clip for clip in clips if clip.split == "train"]
-        self.actions, self.left_out = _testable(engines, held_out, recogniser)
+        self.actions, self.left_out = testable(engines, held_out, recogniser)
         if options.motions < 2 * len(self.actions):
             raise OutOfRangeError(
                 "motions",
@@ -209,10 +209,14 @@ def _few(labels: np.ndarray) -> np.ndarray:
     return place < each
 
 
-def _testable(
+def testable(
     engines: Mapping[str, Any], held_out: Sequence[Clip], recogniser: Recogniser
 ) -> tuple[tuple[str, ...], dict[str, tuple[str, ...]]]:
-    """The actions of the table, and why others that an engine knows are not in it."""
+    """The actions of the table, and why others that an engine knows are not in it.
+
+    Raises:
+        MotionloomError: an engine that does not go by actions, or no action that can be tested.
+    """
     if not engines:
         raise OutOfRangeError("engines", [], "one or more")
     for name, engine in engines.items():

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from engines.evaluation.actions import COMPONENTS
 from engines.evaluation.results import Results, Row
 from engines.evaluation.rounds import PHYSICAL, REAL, TRAINING
+from engines.evaluation.sequences import AROUND
 from engines.metrics.protocol import ACTION2MOTION, STYLIZATION, TEXT2MOTION
 from engines.metrics.retrieval import POOL
 
@@ -15,9 +16,12 @@ def notes(results: Results, rows: Sequence[Row]) -> list[str]:
     """What the figures of a protocol are."""
     repeats = sorted({len(row.repeats) for row in rows})
     over = f"{' or '.join(map(str, repeats))} repeat{'s' if repeats[-1] > 1 else ''}"
-    said = {"action2motion": _of_actions, "text2motion": _of_texts, "stylization": _of_styles}[
-        results.basis.get("protocol", "action2motion")
-    ]
+    said = {
+        "action2motion": _of_actions,
+        "text2motion": _of_texts,
+        "stylization": _of_styles,
+        "multiact": _of_sequences,
+    }[results.basis.get("protocol", "action2motion")]
     made = said(results, f"Mean ± half width of the 95 % interval (Student's t) over {over}")
     if any("bone_length_drift" in row.repeats[0].figures for row in rows):
         made.append("Bone-length drift is that of the joints as the network gives them; motions themselves are rigid.")
@@ -94,3 +98,24 @@ def _of_styles(results: Results, mean: str) -> list[str]:
     else:
         said.append("The recogniser of contents does not know what these motions show, so contents are not counted.")
     return said
+
+
+def _of_sequences(results: Results, mean: str) -> list[str]:
+    basis = results.basis
+    return [
+        f"{mean} of {basis['sequences']:,} sequences of {basis['steps']} actions, {basis['frames']} frames each at 20 "
+        f"a second, the transition into it included; {len(basis['asked'])} actions, drawn at random, none twice in a "
+        f"row; seed {basis['seed']}. Sequences and seeds are the same for all rows.",
+        "↑ higher is better, ↓ lower is better, → the closer to real transitions the better. Bold: the best mean of "
+        "the generated; a difference smaller than the intervals is none.",
+        f"Transition FID looks at the transition and {AROUND} frames on both sides, as the recogniser of actions sees "
+        "them; where there is no transition of its own (label switch), at the first half second of each new action.",
+        f"The real transitions are made of held-out clips (data: {basis['data']}): {basis['captured']:.0%} were "
+        "captured so, the others are two clips joined at their nearest poses and let in as the row `inertialised` "
+        "does it, which that row may profit from.",
+        f"Accuracy counts what follows the transition, over steps 2 to {basis['steps']}, over all "
+        f"{len(results.answers)} labels of the recogniser; last quarter: over the last {basis['steps'] // 4} steps.",
+        "Rows of action2motion: its clips, each by itself, turned and set behind each other, with half a second "
+        "between them that is linear in 6-D and place, or a slerp; with the second let in over half a second "
+        "(inertialised); or its own switch of the label.",
+    ]

@@ -5,7 +5,8 @@ set are, so that none of these can be compared with ours as a number; what can b
 other. Sources: thesis, "3D human action modeling", tables 3.2 and 3.3; the rows `Real motions`, `plain` and `w/ Lie` on
 coarse HumanAct12, NTU-RGBD and (to two digits, one less) CMU are also tables 1 and 2 of Guo et al. 2020,
 "Action2Motion", where they are called `Ours w/o Lie` and `Ours`. Text2Motion: Guo et al. 2022, tables 2 and 3, also the
-thesis's 4.2 and 4.3; TM2T: thesis, table 6.2. Stylization: thesis, table 5.2.
+thesis's 4.2 and 4.3; TM2T: thesis, table 6.2. Stylization: thesis, table 5.2. MultiAct: Lee et al. 2023, tables 2
+and 3.
 """
 
 from __future__ import annotations
@@ -143,10 +144,29 @@ STYLIZATION: Sequence[Published] = (
 )  # fmt: skip
 """The thesis's variants and the methods it compares with."""
 
+SEQUENCE_COLUMNS = ("transition_fid", "fid", "accuracy_top1", "diversity", "multimodality")
+MULTIACT: Sequence[Published] = (
+    *_rows("BABEL, one step", "MultiAct, table 2", """
+        Real motions (test)  | - | .095 ± .0034 | .68 ± .0039 | 6.75 ± .045 | 3.73 ± .031
+        MultiAct             | - | .97 ± .015   | .64 ± .009  | 6.74 ± .020 | 3.72 ± .019
+        ACTOR                | - | 1.53 ± .032  | .50 ± .0078 | 6.52 ± .64  | 4.42 ± .043
+    """, SEQUENCE_COLUMNS),
+    *_rows("BABEL, one transition", "MultiAct, table 3", """
+        MultiAct, after test motions  | .67 ± .027  | - | - | - | -
+        MultiAct, after ACTOR         | 2.03 ± .73  | - | - | - | -
+        ACTOR + SSMCT, aligned        | 5.85 ± .059 | - | - | - | -
+        ACTOR + SSMCT                 | 7.20 ± .068 | - | - | - | -
+        ACTOR + interpolation         | 13.36 ± .29 | - | - | - | -
+    """, SEQUENCE_COLUMNS),
+)  # fmt: skip
+"""FID to the test set."""
+
 PAPERS: dict[str, Papers] = {
     "action2motion": Papers("Action2Motion's protocol", COLUMNS, ACTION2MOTION, "“w/ Lie” is the variant `lie`."),
     "text2motion": Papers("Text2Motion's protocol", TEXT_COLUMNS, TEXT2MOTION, "“Real length”: made as long as the "
                           "real motion, which is how engines are asked here."),
+    "multiact": Papers("MultiAct's protocol", SEQUENCE_COLUMNS, MULTIACT, "Of twenty steps (figure 6) the paper prints "
+                       "no numbers."),
     "stylization": Papers("Generative stylization's protocol", STYLE_COLUMNS, STYLIZATION, "(S) supervised, (U) "
                           "unsupervised; (V), (A): over the codes of the VAE, of the AE; Div is under multimodality."),
 }  # fmt: skip

@@ -23,9 +23,9 @@ def columns(rows: Sequence[Row]) -> dict[str, Metric]:
 
 
 PAPERS = (
-    "fid", "accuracy_top1", "accuracy_top5", "diversity", "multimodality", "r_precision_top1", "r_precision_top2",
-    "r_precision_top3", "multimodal_distance", "style_accuracy", "style_fid", "content_accuracy", "content_fid",
-    "pose_distance",
+    "transition_fid", "fid", "accuracy_top1", "accuracy_late", "accuracy_top5", "diversity", "multimodality",
+    "r_precision_top1", "r_precision_top2", "r_precision_top3", "multimodal_distance", "style_accuracy", "style_fid",
+    "content_accuracy", "content_fid", "pose_distance",
 )  # fmt: skip
 """Columns of the papers; the others are physical."""
 

@@ -45,7 +45,7 @@ class MultiActEngine:
     licence = "CC BY-NC 4.0 (trained on Bandai-Namco clips)"
     fps = FPS
     max_frames = MAX_FRAMES
-    capabilities = frozenset({"actions", "transition", "outpaint"})
+    capabilities = frozenset({"actions", "sequences", "transition", "outpaint"})
 
     def __init__(
         self, cell: Cell, weights_hash: str, beginning: Beginning | None = None, variant: str = "small"

@@ -207,8 +207,11 @@ class Pool:
             Source(clip, mirrored, "walk", first, straight, range(PREVIOUS - 1, first)),
             Source(clip, mirrored, action, last, range(0), range(0)),
             Source(clip, mirrored, "walk", frames, range(last, frames - SHORTEST - TRANSITION[0] + 1), range(0)),
-            Source(clip, mirrored, action, frames, range(max(1, first)), range(max(last, PREVIOUS), frames)),
-        ]
+            Source(
+                clip, mirrored, action, frames, range(min(max(1, first), frames - SHORTEST - TRANSITION[0] + 1)),
+                range(max(last, PREVIOUS), frames),
+            ),
+        ]  # fmt: skip
         self.cuts += [(place, place + 1), (place + 1, place + 2)]
 
     def _pick(self, held: dict[str, list[int]], rng: np.random.Generator) -> str:

@@ -22,7 +22,7 @@ from studio.commands.console import progress_bar
 if TYPE_CHECKING:
     from engines.evaluation import Results
 
-_PROTOCOLS = {"actions": "actions", "texts": "text", "styles": "stylise"}
+_PROTOCOLS = {"sequences": "sequences", "actions": "actions", "texts": "text", "styles": "stylise"}
 """Each protocol, and what an engine must be able to do for it."""
 _PACKAGES = ("motionloom", "numpy", "scipy", "torch", "scikit-learn")
 
@@ -37,7 +37,7 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the report; goes on there.")],
     protocol: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="actions, texts or styles; if none, the first of them that fits."),
+        typer.Option(metavar="NAME", help="sequences, actions, texts or styles; if none, the first of them that fits."),
     ] = None,
     data: Annotated[str, typer.Option(metavar="NAME", help="Real motions: held-out (val and test), test or val.")] = (
         "held-out"
@@ -65,6 +65,8 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
     motionloom evaluate loom --protocol styles --repeats 30 --motions 300 --out styles/
 
+    motionloom evaluate multiact --motions 1000 --repeats 5 --out sequences/
+
     The protocol `actions` is Action2Motion's, with the recogniser of actions as judge; `texts` is Text2Motion's, for
     engines that take sentences: R-precision, distances and FID in the space that motions share with sentences;
     `styles` is generative stylization's: held-out motions in other manners, the style told by its name, by a clip that
@@ -89,6 +91,9 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     match protocol or _fitting(named):
         case "texts":
             bench, results = _by_texts(named, data, motions, seed)
+        case "sequences":
+            named |= _simple_ways()
+            bench, results = _by_sequences(named, data, motions, frames, seed)
         case "styles":
             bench, results = _by_styles(named, data, by, corpus, motions, seed)
         case _:
@@ -128,6 +133,26 @@ def _by_actions(engines: Mapping[str, Any], data: str, motions: int, frames: int
     options.check()
     judge = recogniser.load("action")
     bench = ActionBench(engines, datasets.load(), judge, options)
+    return bench, Results(bench.basis(_digest(SHIPPED / "evaluator-action.safetensors")), judge.labels)
+
+
+def _simple_ways() -> dict[str, Any]:
+    from engines.evaluation import ways
+    from studio import tasks
+
+    return dict(ways.ways(tasks.load_engine("action2motion")))
+
+
+def _by_sequences(engines: Mapping[str, Any], data: str, motions: int, frames: int, seed: int) -> tuple[Any, Results]:
+    from engines import datasets
+    from engines.evaluation import Results, SequenceBench, SequenceOptions
+    from engines.metrics.evaluators import recogniser
+    from engines.weights_file import SHIPPED
+
+    options = SequenceOptions(data, motions, frames, seed)  # pyright: ignore[reportArgumentType] (checked next)
+    options.check()
+    judge = recogniser.load("action")
+    bench = SequenceBench(engines, datasets.load(), judge, options)
     return bench, Results(bench.basis(_digest(SHIPPED / "evaluator-action.safetensors")), judge.labels)
 
 
@@ -185,10 +210,10 @@ def _parse(spec: str) -> list[str]:
     from engines import registry
     from studio import tasks
 
-    name, _, _ = spec.partition("@")
+    name, _, weights = spec.partition("@")
     name, _, variant = name.partition(":")
     known = {**registry.available(), **registry.stylisers()}
-    if name not in known:
+    if name not in known and not weights:
         raise UnknownLabelError("engine", name, known)
     if variant != "all":
         return [spec]

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from engines.evaluation import ActionBench, Results, Row, StyleBench, TextBench, tables
+from engines.evaluation import ActionBench, Results, Row, SequenceBench, StyleBench, TextBench, tables
 from engines.formats.files import atomic_path
-from studio.report import actions, sections, styles, texts
+from studio.report import actions, sections, sequences, styles, texts
 from studio.report.content import Content
 from viewers.web.payload import Actor
 
@@ -27,7 +27,7 @@ def write_tables(folder: Path, results: Results, rows: Sequence[Row], left_out: 
 
 def write_report(  # noqa: PLR0913, PLR0917 - what a report tells of
     folder: Path,
-    bench: ActionBench | TextBench | StyleBench,
+    bench: ActionBench | SequenceBench | StyleBench | TextBench,
     engines: Mapping[str, Any],
     results: Results,
     repeats: int,
@@ -48,6 +48,8 @@ def write_report(  # noqa: PLR0913, PLR0917 - what a report tells of
     path = folder / "index.html"
     if isinstance(bench, TextBench):
         content = texts.content(bench, engines, results, rows, facts)
+    elif isinstance(bench, SequenceBench):
+        content = sequences.content(bench, engines, results, rows, facts)
     elif isinstance(bench, StyleBench):
         content = styles.content(bench, engines, results, rows, facts)
     else:
