@@ -53,7 +53,9 @@ export function render(part) {
     model.points.forEach(([px, py], i) => { const off = Math.hypot(px - x, py - y); if (off < best[0]) best = [off, i] })
     return best[1]
   }
+  let looked = -1
   const look = (i) => {
+    looked = i
     peek.hidden = !(i >= 0 && (model.pictures[i] || model.names[i]))
     if (peek.hidden) return
     face.hidden = !model.pictures[i]
@@ -91,6 +93,7 @@ export function render(part) {
       }))
     }
     dots.childNodes.forEach((dot, i) => dot.setAttribute("class", model.ends.includes(i) ? "dot on" : "dot"))
+    look(looked < model.points.length ? looked : -1)
     put(point, here ?? (model.at.length ? model.at : null))
     const [a, b] = model.ends.map((i) => model.points[i])
     straight.style.display = a && b ? "" : "none"

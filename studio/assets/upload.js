@@ -23,7 +23,8 @@ export function render(part) {
   }
   input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
   mount(part, [zone, outcome], {"motionloom:file": (event) => { if (model.active) send(event.detail) }, "motionloom:choose-file": () => { if (model.active) input.click() }})
-  watch(model, ["error", "status"], () => {
-    redraw(outcome, model.error ? h("p", {class: "fault", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
+  watch(model, ["error", "status", "active"], () => {
+    if (!model.active) redraw(outcome)
+    else redraw(outcome, model.error ? h("p", {class: "fault", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))
   })
 }

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from tests.ui.conftest import Tab, wait_for
 
@@ -31,6 +31,11 @@ def pinning(context: BrowserContext, constrained_address: str, told: Path) -> It
     yield made
     assert made.faults == []
     assert made.foreign == []
+
+
+def composed(page: Page, label: str) -> Locator:
+    """A field of the left panel."""
+    return page.get_by_role("complementary", name="Compose").get_by_label(label, exact=True)
 
 
 def pinned(tab: Tab) -> list[str]:
@@ -78,7 +83,7 @@ def test_typed_words_are_generated(pinning, told):
     page.get_by_role("button", name="someone runs, then jumps").click()
     expect(page.get_by_label("Describe the motion")).to_have_value("someone runs, then jumps")
     page.get_by_label("Describe the motion").fill("a person hops <b>happily</b>")
-    page.get_by_label("Style", exact=True).select_option("happy")
+    composed(page, "Style").select_option("happy")
     expect(button).to_be_enabled()
     asked = generate(pinning, told)
     assert (asked["action"], asked["prompt"], asked["style"]) == (None, "a person hops <b>happily</b>", "happy")
@@ -221,16 +226,16 @@ def test_without_the_mouse(pinning, told):
 
 def test_another_engine_has_only_its_own_controls(pinning):
     page = pinning.page
-    page.get_by_label("Engine", exact=True).select_option("action2motion")
+    composed(page, "Engine").select_option("action2motion")
     expect(page.get_by_role("tab", name="Text")).to_have_count(0)
     for name in ("Constraints", "Advanced"):
         expect(page.get_by_role("button", name=name)).to_be_hidden()
-    expect(page.get_by_label("Style", exact=True)).to_be_hidden()
+    expect(composed(page, "Style")).to_be_hidden()
     page.get_by_role("tab", name="Body").click()
     expect(page.get_by_role("region", name="Bones of the next takes")).to_be_visible()
-    page.get_by_label("Engine", exact=True).select_option("stand-in")
+    composed(page, "Engine").select_option("stand-in")
     expect(page.get_by_role("tab", name="Text")).to_be_visible()
-    expect(page.get_by_label("Style", exact=True)).to_be_visible()
+    expect(composed(page, "Style")).to_be_visible()
 
 
 GENERATE = ".left .go"
