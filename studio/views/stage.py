@@ -104,7 +104,7 @@ class _Stage:
             editable=",".join(f"{name}={WORDS[name]}" for name in EDITS),
         )  # fmt: skip
         tie(player, state, theme="theme", tool="tool")
-        follow(player, state, ["pinned", "fps", "capabilities"], lambda: {"pinned": _pins(self.session)})
+        follow(player, state, ["pinned", "fps", "capabilities", "request"], lambda: {"pinned": _pins(self.session)})
         player.param.watch(self._picked, "selected")
         player.param.watch(self._moved, ["frame", "playing"])
         player.param.watch(self._drawn, "drawn")
@@ -154,7 +154,8 @@ def _at_rest() -> Motion:
 def _pins(session: Session) -> dict[str, Any]:
     """What is pinned, for the player; nothing where the engine is not told of it."""
     state = session.state
-    return as_shown(state.pinned, state.fps) if "constraints" in state.capabilities else {}
+    told = "constraints" in state.capabilities and state.request != "sequence"
+    return as_shown(state.pinned, state.fps) if told else {}
 
 
 def _bar(session: Session) -> StageBar:
