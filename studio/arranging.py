@@ -46,7 +46,7 @@ class Arranging:
     # ---- what a person does -------------------------------------------------------------------------------
 
     def act(self, message: Mapping[str, Any]) -> None:
-        """Do what the timeline reports: `{"do": "trim", "id": "3", "seconds": 2.5}`."""
+        """Do what the timeline reports: `{"do": "split", "id": "3", "after": 1.5}`."""
         acts: dict[str, Callable[[Mapping[str, Any]], None]] = {
             "add": self.add, "move": self.move, "change": self.change, "split": self.split, "remove": self.remove,
             "duplicate": self.duplicate, "renew": self.renew, "lock": self.lock,

@@ -3,6 +3,7 @@ const HELP = [
   ["Everywhere", [["Ctrl Enter", "generate"], ["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl O", "import a file"], ["Ctrl E", "export the selected take"], ["Ctrl Shift P", "projects"], ["?", "this help"]]],
   ["Takes", [["↑ ↓", "pick another"], ["F", "star"], ["K", "keep"], ["C", "compare (or Ctrl click)"], ["Shift click", "compare a row"], ["A", "again, on another seed"], ["Y", "in another manner"], ["T", "tag"], ["Del", "delete"]]],
   ["Stage", [["Space", "play or pause"], ["← →", "one frame back or on"], ["Shift ← →", "ten frames"], ["Home End", "first or last frame"], ["I O", "loop from here, to here"], ["S", "body, skeleton, both"], ["G T C", "ghosts, trail, foot contacts"], ["V", "overlaid or side by side"], ["F", "follow the picked one"], ["1 2 3 4", "front, back, left, right"], ["0", "everybody in view"], ["P", "picture of the stage"], ["Esc", "put the drawing tool down"]]],
+  ["Blocks", [["← →", "the one before, the next"], ["Shift ← →", "move it"], ["Alt ← →", "shorter, longer"], ["Enter", "edit"], ["R S D", "regenerate, split, duplicate"], ["L Del", "lock, delete"], ["wheel", "zoom (Shift wheel: along)"]]],
   ["Actions", [["type", "search"], ["↓", "into the grid"], ["arrows", "move"], ["Enter", "choose"]]],
 ]
 export function render(part) {
