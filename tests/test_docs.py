@@ -25,3 +25,17 @@ def test_slow_and_fast_code_is_what_the_benchmark_runs() -> None:
     pairs = re.findall(r"```python\n# (?:slow|fast): [\d.]+ m?s\n(.*?)```", shown, re.DOTALL)
     assert len(pairs) == 2 * source.count("    Habit(")
     assert [line for code in pairs for line in code.splitlines() if line.strip() not in run] == []
+
+
+def test_features_name_tests_that_exist() -> None:
+    page = (ROOT / "docs" / "features.md").read_text(encoding="utf-8")
+    named = re.findall(r"`([\w/]+\.py)::(\w+)`", page)
+    assert len(named) > 40
+    assert [f"{file}::{test}" for file, test in named if f"def {test}(" not in _source(file)] == []
+    rows = [line for line in page.splitlines() if line.startswith("| ✓")]
+    assert [row for row in rows if "::test_" not in row] == []
+
+
+def _source(file: str) -> str:
+    path = ROOT / "tests" / file
+    return path.read_text(encoding="utf-8") if path.is_file() else ""
