@@ -25,6 +25,7 @@ from playwright.sync_api import expect, sync_playwright
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from engines import registry  # noqa: E402 - below, found through the line above
 from tests.conftest import CHROMIUM_FLAGS  # noqa: E402 - no package, found through the line above
 from tests.ui.conftest import Tab, serving, wait_for  # noqa: E402
 
@@ -47,6 +48,8 @@ class Step:
     """Does it, and waits until it is seen."""
     frame: int = 24
     """Where the takes stand still in the picture."""
+    there: Callable[[], object] = lambda: True
+    """Whether the weights that it takes are here."""
 
 
 def generate(tab: Tab, more: int) -> None:
@@ -119,6 +122,18 @@ def varied(tab: Tab) -> None:
     wait_for(lambda: tab.player("player.actors.length") == 3, "three ways on")
 
 
+def styled(tab: Tab) -> None:
+    """A take in a style, beside the take."""
+    card(tab, 1).click()
+    tab.page.get_by_role("tab", name="Style", exact=True).click()
+    styles = tab.page.get_by_role("listbox", name="Styles this engine knows")
+    styles.get_by_role("option", name="musical", exact=True).click()
+    before = tab.page.locator(".take").count()
+    tab.page.get_by_role("button", name="Stylise take 1").click()
+    tab.takes(before + 1)
+    wait_for(lambda: tab.player("player.actors.length") == 2, "before and after")
+
+
 def pinned(tab: Tab) -> None:
     """A way over the floor."""
     tab.page.get_by_role("tab", name="Action", exact=True).click()
@@ -186,6 +201,7 @@ STEPS = (
     Step("compare", "Compare", compared, 40),
     Step("text", "Ask in words", in_words, 40),
     Step("vary", "Go on from a moment", varied, 50),
+    Step("style", "Put it in another manner", styled, 40, registry.stylisers),
     Step("pin", "Say where", pinned, 59),
     Step("sequence", "Arrange a scene", arranged, 96),
     Step("body", "Give it a body", shaped, 30),
@@ -227,6 +243,8 @@ def main() -> None:
         context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
         tab = Tab(context.new_page(), url).open()
         for step in STEPS:
+            if not step.there():
+                continue
             step.act(tab)
             if asked.step in ("", step.name):
                 file = asked.out / f"{step.name}.webp"

@@ -25,8 +25,7 @@ FRAMES = 16
 SIZE = 112
 """Pixels a side; shown at half of that, for dense screens."""
 FOLDER = Path(__file__).resolve().parent / "assets" / "actions"
-DRAWS = 8
-"""Of each action, the liveliest of which is shown."""
+_DRAWS = 8
 
 
 def strip(motion: Motion, renderer: Any) -> bytes:
@@ -81,7 +80,7 @@ def main() -> None:
     renderer = Renderer(3 * SIZE, 3 * SIZE)
     usual = GenerateSettings()
     for action in tasks.load_engine(usual.engine).actions:
-        asked = GenerateSettings(action=action.name, frames=50, seed=usual.seed, count=DRAWS)
+        asked = GenerateSettings(action=action.name, frames=50, seed=usual.seed, count=_DRAWS)
         data = strip(liveliest(tasks.generate(asked)), renderer)
         (folder / f"{tasks.slug(action.name)}.webp").write_bytes(data)
         log.info("%s: %d bytes", action.name, len(data))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from engines import registry
 from studio import edits, tasks
-from studio.action_pictures import DRAWS, SIZE, liveliest, strip
+from studio.action_pictures import SIZE, strip
 from studio.given import Given
 from studio.settings import GenerateSettings
 from studio.styling import CLEAN
@@ -20,7 +20,7 @@ from studio.styling import CLEAN
 log = logging.getLogger(__name__)
 
 FOLDER = Path(__file__).resolve().parent / "assets" / "styles"
-_WALK = GenerateSettings(action="walk", style="normal", frames=60, count=DRAWS)
+_WALK = GenerateSettings(action="walk", style="normal", frames=60, count=1)
 
 
 def main() -> None:
@@ -30,7 +30,7 @@ def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     renderer = Renderer(3 * SIZE, 3 * SIZE)
-    walk = liveliest(tasks.generate(_WALK))
+    (walk,) = tasks.generate(_WALK)
     name = next(iter(registry.stylisers()))
     engine = tasks.load_engine(name)
     given = Given.of(walk, "a walk", engine.fps)

@@ -30,7 +30,8 @@ def test_the_steps_of_the_guide_can_be_gone(chromium, address):
     )
     tab = Tab(context.new_page(), address).open()
     for step in STEPS:
-        step.act(tab)
+        if step.there():
+            step.act(tab)
     assert tab.faults == []
     assert tab.foreign == []
     context.close()
