@@ -175,9 +175,11 @@ class Styling:
             self.state.source = picked.id
 
     def _left(self, *_: Any) -> None:
-        """The take that was chosen is gone."""
+        """What was chosen is gone."""
         if self.take() is None:
             self.state.source = self.session.state.selected
+        if self.state.like not in self.session.takes:
+            self.state.like = ""
 
     def _look(self, *_: Any) -> None:
         """On the stage stands what the map stands at, or the takes."""
