@@ -19,6 +19,8 @@ CHECKED = (
     "engines.geometry",
     "engines.metrics.physical",
     "engines.motion",
+    "engines.multiact.model",
+    "engines.multiact.networks",
     "engines.skeletons.skeleton",
     "viewers.bodies.body",
     "viewers.camera",

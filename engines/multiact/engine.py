@@ -25,6 +25,11 @@ MAX_FRAMES = 200_000
 """Of a sequence that is held as one Motion: over two and a half hours."""
 MAX_COUNT = 256
 
+_LICENCES = {
+    "small": "CC BY-NC 4.0 (trained on Bandai-Namco clips)",
+    "official": "that of the checkpoint; the authors release theirs for research",
+}
+
 Progress = Callable[[int, int], None]
 Beginning = Callable[[str, int, int], Motion]
 """(action, frames, seed) -> a motion to begin with."""
@@ -42,7 +47,6 @@ class MultiActEngine:
 
     name = "multiact"
     description = "Actions one after another, as many as one likes, with the transitions between (Lee et al. 2023)."
-    licence = "CC BY-NC 4.0 (trained on Bandai-Namco clips)"
     fps = FPS
     max_frames = MAX_FRAMES
     capabilities = frozenset({"actions", "sequences", "transition", "outpaint"})
@@ -52,6 +56,7 @@ class MultiActEngine:
     ) -> None:
         self.cell, self.weights_hash, self.variant = cell, weights_hash, variant
         self.variants = (variant,)
+        self.licence = _LICENCES[variant]
         self.actions: tuple[Action, ...] = tuple(_action(name) for name in cell.names)
         self._beginning = beginning
 
@@ -107,7 +112,7 @@ class MultiActEngine:
             told["of"] = start.provenance.source
         asked = " > ".join(block.name for block in wanted)
         origin = Provenance(self.name, self.weights_hash, asked, seed, 0, told)
-        return _joined(pieces).replaced(provenance=origin)
+        return pieces[0].concat(*pieces[1:]).replaced(provenance=origin)
 
     def continue_from(
         self, motion: Motion, action: str, seconds: float | None = None, seed: int = 0, **options: Any
@@ -200,7 +205,8 @@ class MultiActEngine:
         demand_whole("seed", seed, 0, 2**63 - 1)
         told = None if transition is None else _frames_of(transition)
         rng = np.random.default_rng(seed)
-        tail, before = start, None if start is None else start.label_at(len(start) - 1)
+        tail = None if start is None else start[-self.cell.sees :]
+        before = None if start is None else start.label_at(len(start) - 1)
         for number, block in enumerate(blocks, start=1):
             parts = plan.steps(self.cell, block)
             for place, step in enumerate(parts):
@@ -275,10 +281,6 @@ def _action(name: str) -> Action:
 def _at_least(motion: Motion, frames: int) -> Motion:
     """A short start stands still before it."""
     return motion if len(motion) >= frames else motion[:1].concat(*[motion[:1]] * (frames - len(motion) - 1), motion)
-
-
-def _joined(pieces: Sequence[Motion]) -> Motion:
-    return pieces[0].concat(*pieces[1:])
 
 
 def _frames_of(transition: float) -> int:

@@ -72,6 +72,12 @@ def test_a_continued_motion_is_where_and_how_its_start_was(engine: MultiActEngin
     assert here.labels[0].value == "given > walk"
 
 
+def test_only_the_end_of_a_start_counts(engine: MultiActEngine) -> None:
+    start = movement(90)
+    long, short = (engine.continue_from(given, "throw", 1.0, seed=2) for given in (start, start[60:]))
+    np.testing.assert_allclose(long.positions[90:], short.positions[30:], atol=1e-9)
+
+
 def test_any_motion_is_a_start_however_short_and_whatever_its_rate(engine: MultiActEngine) -> None:
     for start in (movement(1), movement(3), movement(70, fps=60.0)):
         made = engine.continue_from(start, "throw", 1.0)
