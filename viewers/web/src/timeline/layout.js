@@ -60,10 +60,11 @@ export function tickStep(scale, room = 64) {
   return STEPS.find((step) => step * scale >= room) ?? 600;
 }
 
-/** A time as numbers for people. */
-export function clockText(seconds) {
+/** A time as numbers for people: "2.4 s", "4:23"; past a minute in tenths where whole seconds would be the same. */
+export function clockText(seconds, { tenths = false } = {}) {
   if (seconds < 60) return `${round(seconds)} s`;
-  return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
+  const rest = Math.round((seconds % 60) * 10) / 10;
+  return `${Math.floor(seconds / 60)}:${tenths ? rest.toFixed(1).padStart(4, "0") : String(Math.floor(rest)).padStart(2, "0")}`;
 }
 
 export function round(seconds) {

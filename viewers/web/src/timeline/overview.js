@@ -1,4 +1,4 @@
-// All of the sequence in a strip, with the part that is in view: only where that is not all of it.
+// All of the sequence in a strip, with the part that is in view; only where that is not all of it, its place kept free.
 import { h } from "../ui/dom.js";
 import { follow, prepare } from "../ui/timeline.js";
 
@@ -8,14 +8,14 @@ export class Overview {
     this.canvas = h("canvas", { "aria-hidden": "true" });
     this.window = h("div", { class: "seq-window" });
     this.now = h("div", { class: "seq-now" });
-    this.element = h("div", { class: "seq-overview", "aria-hidden": "true", hidden: true }, this.canvas, this.window, this.now);
+    this.element = h("div", { class: "seq-overview", "aria-hidden": "true" }, this.canvas, this.window, this.now);
     this.element.addEventListener("pointerdown", (event) => this.#down(event));
   }
 
   render() {
     const { sequencer } = this;
-    this.element.hidden = sequencer.fitted;
-    if (this.element.hidden) return;
+    this.element.style.visibility = sequencer.fitted ? "hidden" : "";
+    if (sequencer.fitted) return;
     const { context, width, height } = prepare(this.canvas);
     this.scale = width / sequencer.length;
     for (const { block, start, end } of sequencer.spans) {
@@ -27,7 +27,7 @@ export class Overview {
   }
 
   tick(now) {
-    if (!this.element.hidden) this.now.style.transform = `translateX(${now * this.scale}px)`;
+    if (!this.sequencer.fitted) this.now.style.transform = `translateX(${now * this.scale}px)`;
   }
 
   #down(event) {

@@ -212,7 +212,8 @@ export class Sequencer {
     const { context, width, height } = prepare(this.marks);
     const style = getComputedStyle(this.element);
     const [tick, faint] = ["--tick", "--faint"].map((name) => style.getPropertyValue(name));
-    const minor = tickStep(this.scale) / 5;
+    const step = tickStep(this.scale);
+    const minor = step / 5;
     context.font = `10.5px ${style.fontFamily}`;
     for (let i = Math.max(0, Math.floor(this.from / minor)); i * minor <= this.to; i++) {
       const x = Math.round(this.x(i * minor));
@@ -220,7 +221,7 @@ export class Sequencer {
       context.fillStyle = tick;
       context.fillRect(x, height - (tall ? 8 : 4), 1, tall ? 8 : 4);
       context.fillStyle = faint;
-      if (tall && x < width - 26) context.fillText(clockText(i * minor), x + 4, 11);
+      if (tall && x < width - 26) context.fillText(clockText(i * minor, { tenths: step < 1 }), x + 4, 11);
     }
   }
 
