@@ -39,9 +39,9 @@ SHORTEST = 16
 """... and at least."""
 CHUNK = 64
 """Frames of a repeating action at most: generation goes on with it in further steps."""
-TRANSITION = (3, 24)
-"""Frames of a transition."""
-VERSION = 1
+TRANSITION = (3, 16)
+"""Frames of a transition; in a longer one what is left of a run's speed would carry limbs too far."""
+VERSION = 2
 """Raised whenever triplets of the same clips change."""
 _CUT = 0.3
 """Share of the triplets that are cut, where there are such."""
@@ -51,7 +51,7 @@ _AT_AN_END = 6
 """Frames from its end, or its beginning, within which an action that is done once is left, or begun."""
 _CANDIDATES = 48
 """Entries that are looked at for an exit."""
-_FRAMES_A_METRE = 30.0
+_FRAMES_A_METRE = 20.0
 """By which a transition is longer than 4 frames, for poses so far apart."""
 _JOINTS = [SMPL22.index(name) for name in (
     "pelvis", "spine3", "head", "left_knee", "right_knee", "left_ankle", "right_ankle", "left_elbow", "right_elbow",

@@ -63,7 +63,7 @@ def test_joined_triplets_go_on_without_a_jump_in_place_pose_or_speed() -> None:
     rng = np.random.default_rng(0)
     for _ in range(12):
         made = pool.draw(rng)
-        assert not made.captured and made.motion.frames <= PREVIOUS + 24 + triplets.LONGEST
+        assert not made.captured and made.motion.frames <= PREVIOUS + triplets.TRANSITION[1] + triplets.LONGEST
         steps = np.linalg.norm(np.diff(made.motion.positions, axis=0), axis=-1).max(axis=1)
         inside = steps[PREVIOUS + made.transition :]
         assert steps[PREVIOUS - 1] < 1.5 * max(steps[: PREVIOUS - 1].max(), inside.max())
