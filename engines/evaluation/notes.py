@@ -83,8 +83,8 @@ def _of_styles(results: Results, mean: str) -> list[str]:
     basis = results.basis
     said = [
         f"{mean} of {basis['motions']:,} held-out motions of {basis['corpus']} (data: {basis['data']}), each put in "
-        f"one of {len(basis['styles'])} styles in equal parts; engines are given {_TOLD[basis['by']]}; "
-        f"seed {basis['seed']}.",
+        f"one of {len(basis['styles'])} styles in equal parts; engines are given {_TOLD[basis['by']]}"
+        f"{', and may make motions as fast as the style is' if basis['tempo'] else ''}; seed {basis['seed']}.",
         "↑ higher is better, ↓ lower is better, → the closer to real motions of the styles the better. Bold: the best "
         "mean of the generated; a difference smaller than the intervals is none.",
         f"Style accuracy and FID: the recogniser of styles, against the clips that give the styles. `{REAL}` are other "

@@ -53,6 +53,8 @@ class StyleOptions:
     """Whose motions are put in other manners; no engine here is taught styles on any but the default."""
     motions: int = 300
     """Of each repeat."""
+    tempo: bool = False
+    """Whether engines that can may also change how fast a motion goes; poses are then not compared."""
     seed: int = 0
 
     def check(self) -> None:
@@ -86,7 +88,7 @@ class _Looked:
     manner: Recognised
     content: Recognised
     poses: float | None
-    """Mean distance to the contents' poses, radians; none for real motions."""
+    """Mean distance to the contents' poses, radians; none for real motions and at another tempo."""
     physical: dict[str, float]
     many: np.ndarray | None = None
     """(contents, stylings, D), for diversity."""
@@ -140,6 +142,7 @@ class StyleBench:
             "clips": self._fingerprint(),
             "evaluator": evaluator,
             "motions": self.options.motions,
+            "tempo": self.options.tempo,
             "styles": list(self.styles),
             "seed": self.options.seed,
         }
@@ -173,6 +176,8 @@ class StyleBench:
     def make(self, engine: Any, wish: Wish, count: int = 1) -> list[Motion]:
         """The content in the manner wished for."""
         told: dict[str, Any] = {"count": count, "seed": wish.seed}
+        if self.options.tempo and "tempo" in engine.capabilities:
+            told["tempo"] = True
         if self.options.by != "prior" and getattr(engine, "styles", ()):
             told["style"] = wish.style
         if self.options.by == "motion":
@@ -208,7 +213,8 @@ class StyleBench:
             for wish in wishes[start : start + BATCH]:
                 run.ask()
                 motion = self.make(engine, wish)[0]
-                poses.append(_distance(self.content(wish), motion))
+                if not self.options.tempo:
+                    poses.append(_distance(self.content(wish), motion))
                 made.append(motion.resample(20.0))
                 run.tell(1)
             manner.append(self.manners.recognised(made))
@@ -220,7 +226,8 @@ class StyleBench:
             stylings = self.make(engine, wish, STYLIZATION.motions_a_prompt)
             many.append(self.manners.recognised([motion.resample(20.0) for motion in stylings]).features)
             run.tell(len(stylings))
-        return _Looked(_joined(manner), _joined(content), float(np.mean(poses)), means(measured), np.stack(many))
+        distance = float(np.mean(poses)) if poses else None
+        return _Looked(_joined(manner), _joined(content), distance, means(measured), np.stack(many))
 
     def measured(self, repeat: int, row: Row, looked: _Looked, began: float) -> Repeat:
         """All figures of motions that were looked at, for one repeat."""

@@ -49,6 +49,9 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     corpus: Annotated[str, typer.Option(metavar="NAME", help="Styles: whose motions are put in them.")] = (
         "bandai-namco"
     ),
+    tempo: Annotated[bool, typer.Option("--tempo", help="Styles: engines may also change how fast motions go.")] = (
+        False
+    ),
     seed: Annotated[int, typer.Option(metavar="N", help="The same seed gives the same table.")] = 0,
     threads: Annotated[int | None, typer.Option(metavar="N", help="Processor threads; as torch likes if none.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew what is in the folder.")] = False,
@@ -95,7 +98,7 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
             named |= _simple_ways()
             bench, results = _by_sequences(named, data, motions, frames, seed)
         case "styles":
-            bench, results = _by_styles(named, data, by, corpus, motions, seed)
+            bench, results = _by_styles(named, data, by, corpus, motions, tempo, seed)
         case _:
             bench, results = _by_actions(named, data, motions, frames, seed)
     out.mkdir(parents=True, exist_ok=True)
@@ -169,14 +172,14 @@ def _by_texts(engines: Mapping[str, Any], data: str, motions: int, seed: int) ->
 
 
 def _by_styles(  # noqa: PLR0913, PLR0917 - what a person chooses
-    engines: Mapping[str, Any], data: str, by: str, corpus: str, motions: int, seed: int
+    engines: Mapping[str, Any], data: str, by: str, corpus: str, motions: int, tempo: bool, seed: int
 ) -> tuple[Any, Results]:
     from engines import datasets
     from engines.evaluation import Results, StyleBench, StyleOptions
     from engines.metrics.evaluators import recogniser
     from engines.weights_file import SHIPPED
 
-    options = StyleOptions(data, by, corpus, motions, seed)  # pyright: ignore[reportArgumentType] (checked next)
+    options = StyleOptions(data, by, corpus, motions, tempo, seed)  # pyright: ignore[reportArgumentType] (checked next)
     options.check()
     manners, contents = recogniser.load("style"), recogniser.load("content")
     bench = StyleBench(engines, datasets.load(), manners, contents, options)

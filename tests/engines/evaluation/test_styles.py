@@ -120,6 +120,28 @@ def test_what_an_engine_is_told(by, told):
     assert ("style_accuracy" in found["e"]) == (by != "prior")
 
 
+class Hurried(Engine):
+    """Leaves out every other frame where it may."""
+
+    capabilities = Engine.capabilities | {"tempo"}
+
+    def stylise(self, motion: Motion, style: str = "proud", *, tempo: bool = False, **told):
+        return [
+            made[::2].replaced(fps=motion.fps) if tempo else made for made in super().stylise(motion, style, **told)
+        ]
+
+
+def test_tempo_is_asked_of_engines_that_have_it_and_poses_are_then_not_compared():
+    options = replace(OPTIONS, tempo=True)
+    found, results = figures(Hurried(), options)
+    assert "pose_distance" not in found["e"] and found["e"]["style_accuracy"].mean == 1.0
+    assert "as fast as" in tables.markdown(results, results.shown(["e"], 2), {})
+    made = bench(Hurried(), options)
+    wish = made.wishes(0)[0]
+    assert len(made.make(Hurried(), wish)[0]) == -(-len(made.content(wish)) // 2)
+    assert len(made.make(Engine(), wish)[0]) == len(made.content(wish))
+
+
 def test_motions_of_another_corpus_have_no_content_that_is_known():
     found, results = figures(Engine(), replace(OPTIONS, corpus="cmu"))
     assert "content_accuracy" not in found["e"]
