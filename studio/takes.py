@@ -15,6 +15,7 @@ from typing import Any, Protocol
 from engines import Motion
 from engines.errors import OutOfRangeError
 from studio.settings import GenerateSettings
+from studio.wording import counted
 
 UNDO_STEPS = 100
 CHANGING = ("favourite", "accepted", "tags", "edits")
@@ -23,11 +24,9 @@ PRESENT = "present"
 """Stands in a change for the take itself being on the shelf."""
 PROJECT = 0
 """Number that stands in a change for the project itself; no take has it."""
-BODY = "body"
-"""Field of a project: the body its takes are shown with, `{"name": "anny", "shape": {"weight": 0.7}}`; empty: as it
-comes."""
-SEQUENCE = "sequence"
-"""Field of a project: the blocks on its timeline, as `studio.sequence.Sequence.to_json` gives them."""
+BODY, SEQUENCE = "body", "sequence"
+"""Fields of a project: the body its takes are shown with, `{"name": "anny", "shape": {"weight": 0.7}}`, empty: as it
+comes; the blocks on its timeline, as `studio.sequence.Sequence.to_json` gives them."""
 
 
 class Held(Protocol):
@@ -258,8 +257,7 @@ class MemoryStore:
     def _apply(self, step: Step, after: bool) -> None:
         for change in step.changes:
             if change.number == PROJECT:
-                self.body = change.fields.get(BODY, (self.body,) * 2)[after]
-                self.sequence = change.fields.get(SEQUENCE, (self.sequence,) * 2)[after]
+                vars(self).update({name: pair[after] for name, pair in change.fields.items()})
             take = self.known.get(change.number)
             if take is None:
                 continue
@@ -354,10 +352,10 @@ class TakeList:
 
     def clear(self) -> int:
         """Delete every take that is neither kept nor a favourite. Returns how many went."""
-        gone = [take for take in self.all if not (take.accepted or take.favourite)]
+        others = [take for take in self.all if not (take.accepted or take.favourite)]
+        gone = [Change(take.number, {PRESENT: (True, False)}) for take in others]
         if gone:
-            count = "1 take" if len(gone) == 1 else f"{len(gone)} takes"
-            self._do(f"clear {count}", [Change(take.number, {PRESENT: (True, False)}) for take in gone])
+            self._do(f"clear {counted(len(gone), 'take')}", gone)
         return len(gone)
 
     def mark(self, take_id: str, **fields: Any) -> None:

@@ -3,7 +3,7 @@ import { MathUtils, Raycaster, Vector2, Vector3 } from "three";
 import { Actor } from "./actor.js";
 import { Cameraman } from "./cameraman.js";
 import { Clock } from "./clock.js";
-import { coverOf, floorWay } from "./ways.js";
+import { coverOf, floorWay, spreadOf } from "./ways.js";
 import { OPTIONS, defaults, same } from "./options.js";
 import { decodeBody, decodeTakes } from "./payload.js";
 import { Pins } from "./pins.js";
@@ -95,11 +95,6 @@ export class MotionPlayer extends EventTarget {
   setSequence(data) {
     this.sequence = data ?? {};
     this.#announce("sequence");
-  }
-
-  /** Reports what a person did to the blocks. */
-  arrange(detail) {
-    this.dispatchEvent(new CustomEvent("arranged", { detail }));
   }
 
   /** New size of the stage, in CSS pixels; the first one also frames what there is. */
@@ -278,7 +273,7 @@ export class MotionPlayer extends EventTarget {
     const subject = this.subject;
     const gliding = this.cameraman.update(this.jumped && !clock.playing ? 0 : elapsed || 1 / 60, subject);
     this.jumped = false;
-    this.stage.lightAround(...this.#lit());
+    this.stage.lightAround(...spreadOf(this.actors.map(({ root }) => root)));
     if (this.geometry) this.geometry.rough = this.stage.rough;
     this.dispatchEvent(new CustomEvent("tick"));
     return clock.playing || gliding;
@@ -304,14 +299,6 @@ export class MotionPlayer extends EventTarget {
     if (this.together) return middle;
     const spread = Math.max(...roots.map(({ x, z }) => Math.hypot(x - middle.x, z - middle.z)));
     return middle.lerp(roots[this.options.selected] ?? roots[0], MathUtils.smoothstep(spread - this.begun, 0, DRIFT));
-  }
-
-  #lit() {
-    const centre = new Vector3();
-    this.actors.forEach((actor) => centre.add(actor.root));
-    centre.divideScalar(Math.max(this.actors.length, 1)).setY(0);
-    const reach = Math.max(0, ...this.actors.map((actor) => Math.hypot(actor.root.x - centre.x, actor.root.z - centre.z)));
-    return [centre, reach + 1.7];
   }
 
   // ---- camera and picking -------------------------------------------------------------------------

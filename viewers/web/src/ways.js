@@ -1,6 +1,8 @@
 // Where the figures go on the floor, for arranging and framing them.
+import { Vector3 } from "three";
 
 const SAMPLES = 48;
+const ARM = 1.7; // metres around a figure that belong to it
 
 /** The root's way on the floor as [x, z, x, z, ...] in the actor's own place. */
 export function floorWay(take, { mirror, inPlace }) {
@@ -38,4 +40,10 @@ export function coverOf(ways, rates, places) {
     reaches.push(Math.max(...spots.map(([x, z]) => Math.hypot(x - middle[0], z - middle[1]))));
   }
   return { bounds, reach: Math.max(...reaches), start: reaches[0] };
+}
+
+/** The middle of some places on the floor, and how far from it what stands there reaches. */
+export function spreadOf(places) {
+  const centre = places.reduce((sum, place) => sum.add(place), new Vector3()).divideScalar(Math.max(places.length, 1)).setY(0);
+  return [centre, ARM + Math.max(0, ...places.map(({ x, z }) => Math.hypot(x - centre.x, z - centre.z)))];
 }

@@ -116,7 +116,7 @@ export class Sequencer {
 
   /** Reports what was done to the blocks. */
   tell(what, details = {}) {
-    this.player.arrange({ do: what, ...details });
+    this.player.dispatchEvent(new CustomEvent("arranged", { detail: { do: what, ...details } }));
   }
 
   pick(id, { focus = false } = {}) {
