@@ -108,6 +108,9 @@ def prepared(split: Split, count: int, corpora: Sequence[str] | None = None, bal
             temporary, frames=made.frames, starts=made.starts, lengths=made.lengths, actions=made.actions,
             captured=made.captured, names=np.array(made.names),
         )  # fmt: skip
+    for other in path.parent.glob(f"triplets-{split}-*.npz"):
+        if other != path:  # of other clips or settings: large, and as soon made again
+            other.unlink(missing_ok=True)
     return made
 
 

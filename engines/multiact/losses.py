@@ -55,11 +55,7 @@ def losses(model: MACVAE, batch: Batch, generator: torch.Generator, share: Share
     nats = torch.stack([divergence(*pair).mean() for pair in zip(told.posterior, told.prior, strict=True)]).sum()
     terms["kl"] = config.kl_weight * (nats - config.free_nats).clamp_min(0)
     terms["length"] = config.length_weight * (told.length - batch.frames[:, 0].log()).abs().mean()
-    return {name: term for name, term in terms.items() if getattr(config, _WEIGHTS.get(name, f"{name}_weight")) > 0}
-
-
-_WEIGHTS = {"joints": "joint_weight"}
-"""Weights that are not called as their terms."""
+    return terms
 
 
 def joints_and_place(features: Tensor) -> tuple[Tensor, Tensor]:

@@ -35,6 +35,9 @@ def test_a_run_then_an_engine_and_triplets_are_made_once(run, tmp_path):
     engine = engines.load("multiact", checkpoint=weights)
     made = engine.continue_from(movement(30), "throw", 1.0)
     assert len(made) == 50 and made.labels[-1].value == "throw"
+    # triplets of other settings take their place
+    assert run("train", "multiact", "--run", str(tmp_path / "other"), "--set", "pairs=20", *QUICK)[0] == 0
+    assert len(new := set((tmp_path / "cache").glob("triplets-*.npz"))) == 2 and new - set(kept)
 
 
 @pytest.mark.parametrize(
