@@ -89,7 +89,7 @@ PAPER = MultiActConfig()
 SMALL = MultiActConfig(
     width=192, inner=384, encoder_layers=2, decoder_layers=4, dropout=0.0, noise=0.03, batch_size=16,
     learning_rate=4e-4, final_learning_rate=1e-5, joint_weight=2.0, acceleration_weight=5.0, movement_weight=5.0,
-    contact_weight=5.0, place_weight=0.1, kl_weight=0.02, free_nats=24.0, steps=60_000,
+    contact_weight=5.0, place_weight=0.1, kl_weight=0.02, free_nats=24.0, steps=40_000,
 )  # fmt: skip
 """What ships."""
 PRESETS = {"paper": PAPER, "small": SMALL}
