@@ -21,8 +21,9 @@ export class Editor {
     const close = button({ label: "Close", symbol: "close", key: "Escape", className: "icon", onclick: () => this.close(true) });
     const labels = { kind: "Kind", what: "Shows", style: "Style", engine: "Engine", seconds: "Seconds", transition: "Transition", seed: "Seed" };
     this.rows = Object.fromEntries(Object.entries(this.fields).map(([name, field]) => [name, h("label", { class: name }, h("span", {}, labels[name]), field)]));
-    this.element = h("div", { class: "seq-editor", role: "dialog", "aria-label": "Block", hidden: true },
-      h("div", { class: "seq-editor-head" }, this.title, close), this.known, h("div", { class: "seq-fields" }, ...Object.values(this.rows)));
+    // put in while it is open: a page is searched for labels, hidden ones too
+    this.parts = [h("div", { class: "seq-editor-head" }, this.title, close), this.known, h("div", { class: "seq-fields" }, ...Object.values(this.rows))];
+    this.element = h("div", { class: "seq-editor", role: "dialog", "aria-label": "Block", hidden: true });
     this.element.addEventListener("keydown", (event) => this.#key(event));
   }
 
@@ -32,6 +33,7 @@ export class Editor {
 
   open(id) {
     this.id = id;
+    this.element.replaceChildren(...this.parts);
     this.element.hidden = false;
     this.refresh();
     const field = this.fields.what.disabled ? this.fields.transition : this.fields.what;
@@ -44,6 +46,7 @@ export class Editor {
     const { id } = this;
     this.id = null;
     this.element.hidden = true;
+    this.element.replaceChildren();
     if (back) this.sequencer.blocks.focus(id);
   }
 
