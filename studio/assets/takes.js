@@ -95,7 +95,8 @@ function card(model, take, send) {
   const picture = model.thumbnails[take.id]
   const spoken = [take.title, take.subject, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred", take.edits.length > 0 && `shown with ${take.edits.join(", ")}`, take.tags.length > 0 && `tagged ${take.tags.join(", ")}`].filter(Boolean).join(", ")
   return h("li", {class: `take ${on ? "on" : ""}`, "data-key": take.id},
-    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: (event) => choose(model, take, event)}),
+    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: (event) => choose(model, take, event),
+      draggable: "true", ondragstart: (event) => event.dataTransfer.setData("application/x-motionloom-block", JSON.stringify({kind: "clip", take: take.id}))}),
     h("span", {class: "picture"}, picture ? h("img", {src: picture, alt: "", width: "58", height: "58"}) : icon("person")),
     h("div", {class: "text"},
       h("div", {class: "title"}, dot(model, take), take.title, take.accepted && h("span", {class: "kept", title: "Kept"}, icon("check")), take.edits.length > 0 && h("span", {class: "edited", title: `Shown with: ${take.edits.join(", ")}`}, icon("pen"))),
