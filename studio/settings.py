@@ -353,7 +353,9 @@ def _section(kind: type, tree: object, source: str | Path, name: str) -> Any:
 
 def _fits(key: str, value: Any) -> bool:
     """Has a value the type of its key (a boolean is no number here)."""
-    if not isinstance(value, _TYPES[key]) or (isinstance(value, bool) and bool not in _TYPES[key]):
+    if isinstance(value, bool):
+        return bool in _TYPES[key]
+    if not isinstance(value, _TYPES[key]):
         return False
     if key == "then":
         parts = [part for part in value if isinstance(part, list) and len(part) == 2]
