@@ -127,6 +127,11 @@ Looked at and what they are: {", ".join(extra.get("reads", [])) or "none yet"}.
 """
 
 
+def _ours(report: str) -> str:
+    """Of a report the table and its notes, without title and the papers' figures."""
+    return report.partition("\n")[2].partition("## The papers")[0].strip()
+
+
 def _losses(extra: dict[str, Any]) -> str:
     last = extra.get("losses")
     if not last:
@@ -152,7 +157,7 @@ def main() -> None:
     if options.limits is not None:
         extra["limits"] = options.limits
     if options.tables:
-        extra["tables"] = [(folder / "table.md").read_text().strip() for folder in options.tables]
+        extra["tables"] = [_ours((folder / "table.md").read_text()) for folder in options.tables]
     if options.run is not None:
         drawn = f"docs/losses-stylization-{options.variant}.webp"
         extra["losses"] = curves(options.run / "style", ROOT / drawn) | {"picture": drawn}
