@@ -8,6 +8,7 @@ import pkgutil
 import typing
 from collections.abc import Callable, Iterator
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +45,13 @@ def modules() -> list[ModuleType]:
     return [importlib.import_module(name) for name in names]
 
 
+def layers(function: Any) -> Iterator[Any]:
+    """A function and what its decorators stand around, from the outside in."""
+    while function is not None:
+        yield function
+        function = getattr(function, "__wrapped__", None)
+
+
 def functions(module: ModuleType) -> Iterator[Callable[..., object]]:
     """The module's own public functions and those of its classes, properties included."""
     for name, member in vars(module).items():
@@ -78,7 +86,7 @@ def test_every_public_function_is_checked(module: ModuleType) -> None:
     found = list(functions(module))
     assert found
     for function in found:
-        checked = function.__globals__["__name__"] == "jaxtyping._decorator"
+        checked = any(layer.__globals__["__name__"] == "jaxtyping._decorator" for layer in layers(function))
         assert checked, f"{module.__name__}.{function.__qualname__} is not checked"
         typing.get_type_hints(inspect.unwrap(function), include_extras=True)  # a NameError would switch the check off
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import ipywidgets as widgets
 
-from studio.notebook.maker import Maker
+from studio.notebook.maker import Maker, Manner
 from studio.proportions import BONES, LONGEST, SHORTEST, bone_scale, factors
 from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_SEED, MAX_STRENGTH
 
@@ -95,7 +95,7 @@ def controls(maker: Maker) -> list[Any]:
     """The controls of an engine, in order; what it cannot be told has none."""
     ties, can = Ties(maker), maker.state.capabilities
     style = [_style(ties)] if "styles" in can else []
-    if "stylise" in can:
+    if isinstance(maker.state, Manner):
         return [*style, *_manner(ties), *_shape(ties)[1:], *_go(ties)]
     made = [*_asked(ties), *style, *_shape(ties)]
     if "constraints" in can:
@@ -241,7 +241,7 @@ def _go(ties: Ties) -> list[Any]:
         else:
             said.value = note(state.generate_note or ("" if state.generating else state.message) or state.forecast())
 
-    asked = _ASKED + ["strength", "tempo"] * ("stylise" in state.capabilities)
+    asked = _ASKED + ["strength", "tempo"] * isinstance(state, Manner)
     ties.follow(asked, forget)
     ties.follow([*asked, *_TOLD], show)
     return [widgets.HBox([go, stop]), bar, said]

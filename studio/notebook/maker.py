@@ -72,7 +72,8 @@ class Maker:
         self.queue = queue or shared_queue()
         self.lock = threading.RLock()
         self.takes = TakeList(on_change=self._takes_changed)
-        kind = Manner if "stylise" in self.engine.capabilities else StudioState
+        only_stylises = "stylise" in self.engine.capabilities and "actions" not in self.engine.capabilities
+        kind = Manner if only_stylises else StudioState
         self.state = kind(engine=self.engine.name)
         # one that was brought along has its own weights; another variant would be another engine
         self.choice = tuple(getattr(self.engine, "variants", ())) if named else ()

@@ -153,14 +153,15 @@ def test_controls_are_there_where_the_engine_has_them(started, engine, settle, m
     (pins,), (prompt,) = form.select(Constraints), form.select(Prompt)
     labels = {part.name: part for part in form.select(lambda part: getattr(part, "label", None)) if part.visible}
     assert {"Style"} <= {part.label for part in labels.values()}
-    assert [value for value, _ in tabs.options] == ["action", "text", "import"]
+    always = ["sequence", "style", "import"]
+    assert [value for value, _ in tabs.options] == ["action", "text", *always]
     assert (pins.visible, prompt.visible) == (True, False)
     started.state.compose_tab = "text"
     assert prompt.visible
     monkeypatch.setattr(tasks, "load_engine", lambda _name, _variant="": engine)
     started.state.variant = "other"
     settle(started)
-    assert [value for value, _ in tabs.options] == ["action", "import"]
+    assert [value for value, _ in tabs.options] == ["action", *always]
     assert (pins.visible, prompt.visible) == (False, False)
     shown = {part.label for part in form.select(lambda part: getattr(part, "label", None)) if part.visible}
     assert "Style" not in shown

@@ -146,7 +146,7 @@ def test_what_is_pinned_is_shown_where_it_is(open_player: Open, body: str):
 
 def marked(player: PlayerPage) -> set[int]:
     """The fortieths of the ruler that hold something amber."""
-    shot = player.page.locator(".motion-player .ruler").screenshot()
+    shot = player.page.locator(".motion-player .ruler").first.screenshot()
     pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=np.int64)
     amber = (pixels[..., 0] > 200) & (pixels[..., 1] > 140) & (pixels[..., 2] < 110)
     return {int(40 * x / pixels.shape[1]) for x in np.flatnonzero(amber.any(axis=0))}
