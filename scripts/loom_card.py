@@ -99,7 +99,8 @@ Of the actions that have held-out clips {often:.1%} are recognised on average; w
 
 Sentences as people type them (`engines/evaluation/prompts.py`): {np.mean(right):.0%} of four motions of each of the
 sixty are recognised as what was asked; {np.mean(more):.0%} of two motions of each of {len(more)} by another writer
-(`prompts_more.py`). What a sentence asks for is read first (`prompt-reader.md`).
+(`prompts_more.py`). What a sentence asks for is read first (`prompt-reader.md`), whose thresholds were
+chosen with both lists in sight.
 Not: {"; ".join(wrong) or "none"}.
 
 By action: {by_action}.
