@@ -14,7 +14,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from model_card import POSES, curves, poses
+from model_card import POSES, curves, losses, poses
 from PIL import Image, ImageDraw
 
 from engines import datasets, load
@@ -111,7 +111,7 @@ Beside the published engines: the table in README.md (`motionloom evaluate loom 
 
 ## Losses
 
-{_losses(extra)}
+{losses(extra)}
 
 ## What it looks like
 
@@ -144,14 +144,6 @@ def _figures(found: Assessment) -> list[tuple[str, str, str]]:
         row("ground penetration, m", found.physics["ground_penetration"], ".4f"),
         row("nearest training clip of the action, cm a joint", found.nearest, ".1f"),
     ]
-
-
-def _losses(extra: dict) -> str:
-    last = extra.get("losses")
-    if not last:
-        return "Not recorded."
-    terms = ", ".join(f"{name} {value:.3g}" for name, value in last["terms"].items())
-    return f"Weighted terms, mean of the last {last['steps']} steps: {terms}.\n\n![losses](../../{last['picture']})"
 
 
 def main() -> None:

@@ -105,7 +105,7 @@ By action: {recognised}.
 
 ## Losses
 
-{_losses(extra)}
+{losses(extra)}
 
 ## What it looks like
 
@@ -122,7 +122,7 @@ more than echoes of these clips. Kinect actions (UTD-MHAD) carry the sensor's no
 """
 
 
-def _losses(extra: Mapping[str, Any]) -> str:
+def losses(extra: Mapping[str, Any]) -> str:
     """The last mean of every term, and the curves where they were drawn."""
     last = extra.get("losses")
     if not last:

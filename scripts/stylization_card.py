@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from loom_card import sheet
-from model_card import curves
+from model_card import curves, losses
 
 from engines import datasets, load
 from engines.datasets import Clip
@@ -111,7 +111,7 @@ turn. Feet held: the clean-up of the Style tab (`engines.geometry.cleanup`).
 
 ## Losses
 
-{_losses(extra)}
+{losses(extra)}
 
 ## What it looks like
 
@@ -130,14 +130,6 @@ Looked at and what they are: {", ".join(extra.get("reads", [])) or "none yet"}.
 def _ours(report: str) -> str:
     """Of a report the table and its notes, without title and the papers' figures."""
     return report.partition("\n")[2].partition("## The papers")[0].strip()
-
-
-def _losses(extra: dict[str, Any]) -> str:
-    last = extra.get("losses")
-    if not last:
-        return "Not recorded."
-    terms = ", ".join(f"{name} {value:.3g}" for name, value in last["terms"].items())
-    return f"Weighted terms, mean of the last {last['steps']} steps: {terms}.\n\n![losses](../../{last['picture']})"
 
 
 def main() -> None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from engines.config import Config
 from engines.config import preset as named
 from engines.errors import OutOfRangeError, UnknownLabelError
 
 Latent = Literal["ae", "vae", "none"]
-LATENTS = ("ae", "vae", "none")
+LATENTS: tuple[Latent, ...] = get_args(Latent)
 
 
 @dataclass(frozen=True)
