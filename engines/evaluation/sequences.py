@@ -234,7 +234,7 @@ def peak_jerk(motion: Motion) -> float:
     """The largest third derivative of a joint's position, m/s^3."""
     if len(motion) < 4:
         return 0.0
-    return float(np.linalg.norm(np.diff(motion.positions, n=3, axis=0), axis=-1).max() * motion.fps**3)
+    return float(physical.jerk(motion).max())
 
 
 def _fingerprint(clips: Sequence[Clip]) -> str:

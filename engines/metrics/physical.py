@@ -30,11 +30,16 @@ def foot_skate(motion: Motion) -> float:
     return float((joint_speed(feet[..., [0, 2]], motion.fps) * weight).mean())
 
 
+def jerk(motion: Motion) -> Float[np.ndarray, "N J"]:
+    """(T - 3, J) size of the third derivative of joint positions, m/s^3; of four frames or more."""
+    return np.linalg.norm(np.diff(motion.positions, n=3, axis=0), axis=-1) * motion.fps**3
+
+
 def jitter(motion: Motion) -> float:
     """Mean size of the third derivative of joint positions, m/s^3, over joints and frames; 0 below four frames."""
     if len(motion) < 4:
         return 0.0
-    return float(np.linalg.norm(np.diff(motion.positions, n=3, axis=0), axis=-1).mean() * motion.fps**3)
+    return float(jerk(motion).mean())
 
 
 def ground_penetration(motion: Motion) -> float:
