@@ -66,6 +66,10 @@ class SkeletonError(MotionloomError, ValueError):
     """A skeleton is malformed, or lacks the joints an operation needs."""
 
 
+class MeshError(MotionloomError, ValueError):
+    """A triangle mesh is malformed, empty or too large."""
+
+
 class CheckpointError(MotionloomError):
     """A checkpoint is missing, damaged or of another architecture."""
 
