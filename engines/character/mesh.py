@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int, Integer, UInt8
 from scipy import sparse
 from scipy.sparse import csgraph
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from engines.errors import MeshError, MissingDependencyError, OutOfRangeError
 
@@ -163,9 +163,10 @@ def simplified(surface: Surface, faces: int = EASY_FACES) -> Surface:
         import fast_simplification
     except ImportError:
         raise MissingDependencyError("fast-simplification", "character", "simplifying a mesh") from None
-    points, kept = fast_simplification.simplify(surface.vertices, surface.faces.astype(np.int32), target_count=faces)[:2]
+    shape = surface.vertices.astype(np.float64), surface.faces.astype(np.int32)
+    points, kept = fast_simplification.simplify(*shape, target_count=faces)[:2]
     surface = surface.coloured()
-    nearest = cKDTree(surface.vertices).query(points)[1]
+    nearest = KDTree(surface.vertices).query(points)[1]
     few = surface.replaced(uv=None, texture=None)
     return _taken(few, nearest, kept).replaced(vertices=points)
 
