@@ -14,8 +14,8 @@ export function render(part) {
   const onBrowse = () => (grid.querySelector('[tabindex="0"]') ?? grid.firstElementChild)?.focus()
   const onSearch = (event) => { typed = event.detail.trim().toLowerCase(); draw() }
   const draw = () => {
-    const fits = ({name, group}) => typed ? typed.split(/\s+/).every((word) => name.includes(word)) : shelf === "all" || group === shelf
-    const found = model.actions.filter(fits)
+    const named = new Map(model.actions.map((action) => [action.name, action]))
+    const found = typed ? matching([...named.keys()], typed).map((name) => named.get(name)) : model.actions.filter(({group}) => shelf === "all" || group === shelf)
     title.textContent = typed ? `${found.length} of ${model.actions.length} ${model.noun}s` : `${model.actions.length} ${model.noun}s this engine knows`
     const groups = ["all", ...new Set(model.actions.map(({group}) => group))]
     shelves.hidden = Boolean(typed) || groups.length < 3
@@ -38,7 +38,12 @@ function card(model, {name, description, picture}, reachable, forget) {
   if (picture) view.classList.add("strip")
   return h("button", {
     type: "button", role: "option", class: "action", "data-key": name, "aria-selected": String(name === model.value), tabindex: reachable ? "0" : "-1", title: description,
-    onclick: () => { if (model.adds) model.send_msg({do: "add", what: name}); else model.value = name; forget() },
+    onclick: () => {
+      forget()
+      if (model.adds) return model.send_msg({do: "add", what: name})
+      model.value = name
+      if (model.noun === "action") window.dispatchEvent(new CustomEvent("motionloom:chosen", {detail: name}))
+    },
     ondblclick: () => { if (!model.adds) model.send_msg({do: "generate"}) },
     draggable: model.adds ? "true" : null, ondragstart: (event) => event.dataTransfer.setData("application/x-motionloom-block", JSON.stringify({what: name})),
   }, view, h("span", {class: "words"}, name))

@@ -95,6 +95,13 @@ function watch(model, names, draw) {
   for (const name of names) model.on(name, later)
   draw()
 }
+/** Those of `names` in which every word typed is found, those that begin with it first. */
+function matching(names, typed) {
+  const words = typed.trim().toLowerCase().split(/\s+/).filter(Boolean)
+  const found = words.length ? names.filter((name) => words.every((word) => name.includes(word))) : []
+  const begins = (name) => name.startsWith(words.join(" "))
+  return [...found.filter(begins), ...found.filter((name) => !begins(name))]
+}
 /** Arrow keys move the focus among `items()`; `columns()` says how far up and down go. */
 function arrows(event, items, columns = () => 1) {
   const list = items()

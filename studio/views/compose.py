@@ -163,6 +163,7 @@ def action_field(session: Session) -> ActionField:
         nearest = state.nearest_actions() if state.engine_ready else []
         entry = known.get(" ".join(state.action.lower().split()))
         return {
+            "names": list(known),
             "description": entry.description if entry else "",
             "error": f"“{state.action}” is not an action this engine knows. Nearest:" if nearest else "",
             "nearest": nearest,

@@ -106,6 +106,7 @@ class ActionField(Part):
     """The action asked for, with what is wrong with it."""
 
     value = param.String("")
+    names = param.List([], doc="Every action there is to ask for.")
     description = param.String("")
     error = param.String("")
     nearest = param.List([])

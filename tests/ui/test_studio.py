@@ -100,6 +100,18 @@ def test_search_narrows_the_grid(tab):
     tab.page.get_by_label("Action", exact=True).fill("wave")
     expect(tab.page.locator("button[role=option]")).to_have_count(WAVES)
     expect(tab.page.get_by_text(f"{WAVES} of {len(VOCABULARY)} actions")).to_be_visible()
+    tab.page.locator("button[role=option]").nth(1).click()
+    chosen = tab.page.locator("[role=option][aria-selected=true]").get_attribute("data-key")
+    expect(tab.page.get_by_label("Action", exact=True)).to_have_value(chosen or "")
+    assert "wave" in (chosen or ""), "the card that was pressed, though the word in the field is no action"
+
+
+def test_enter_takes_the_best_match(tab):
+    field = tab.page.get_by_label("Action", exact=True)
+    field.fill("wave l")
+    field.press("Enter")
+    expect(field).to_have_value("wave left hand")
+    expect(tab.page.get_by_text("is not an action")).to_have_count(0)
 
 
 def test_keep_star_compare_delete_undo(tab):
@@ -251,6 +263,7 @@ def test_with_the_keyboard_alone(tab):
     keys.press("ArrowDown")
     keys.press("ArrowRight")
     expect(page.locator("[role=option]:focus")).to_have_count(1)
+    expect(page.locator("button[role=option]")).to_have_count(WAVES)
     name = page.locator("[role=option]:focus").inner_text()
     keys.press("Enter")
     expect(page.get_by_label("Action", exact=True)).to_have_value(name)
