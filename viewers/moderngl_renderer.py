@@ -146,8 +146,8 @@ class Renderer:
         gl.enable_only(gl.DEPTH_TEST | gl.CULL_FACE)
         gl.front_face = "cw"  # the picture is drawn upside down
         gl.enable_direct(_CLIP)
-        for rows in {figure.mesh.rows for figure in stage.figures}:
-            self._set_light(self.graphics.program("figure", "figure", ROWS=rows), stage, moment, matrix)
+        for program in {figure.mesh.program for figure in stage.figures}:
+            self._set_light(program, stage, moment, matrix)
         for figure, height in zip(stage.figures, stage.heights[moment], strict=True):
             self._draw_figure(figure, moment, float(height))
         gl.disable_direct(_CLIP)
@@ -168,7 +168,9 @@ class Renderer:
 
     def _draw_figure(self, figure: Figure, moment: int, height: float) -> None:
         array, faint = figure.mesh.level(height), figure.mesh.level(0.3 * height)
-        program = array.program
+        program = figure.mesh.program
+        if figure.mesh.texture is not None:
+            figure.mesh.texture.use(0)
         if figure.ghost_poses is not None:
             for ghost in figure.ghosts[moment]:
                 self._see_through(ghost.alpha)

@@ -7,15 +7,22 @@ conventions are ours, so nothing is turned. Numbers are float32, which is what g
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from PIL import Image
 
 from engines.errors import SkeletonError
 from engines.formats.gltf import INDICES, VERTICES, Builder
 from engines.motion import Motion
 from engines.skeletons.skeleton import Skeleton
+
+TEXTURE_QUALITY = 94
+"""Of textures, as JPEG without loss of colour resolution."""
+LINEAR, LINEAR_MIPMAP_LINEAR, CLAMP_TO_EDGE = 9729, 9987, 33071
+"""The standard's numbers for how a texture is looked up."""
 
 
 class Skin(Protocol):
@@ -61,6 +68,16 @@ class Skin(Protocol):
         """(V, 3) sRGB colours, 0 to 255."""
         ...
 
+    @property
+    def uv(self) -> np.ndarray | None:
+        """(V, 2) places in the texture, u to the right, v down from its top left corner; None without one."""
+        ...
+
+    @property
+    def texture(self) -> np.ndarray | None:
+        """(h, w, 3) uint8 sRGB, written in place of the colours; None: the colours are."""
+        ...
+
 
 def write(motion: Motion, path: str | Path, skin: Skin | None = None) -> Path:
     """Write a motion as .glb.
@@ -90,9 +107,7 @@ def write(motion: Motion, path: str | Path, skin: Skin | None = None) -> Path:
     made.document["skins"] = [_skin(made, skeleton)]
     if skin is not None:
         made.document["meshes"] = [_mesh(made, skin)]
-        made.document["materials"] = [
-            {"name": skin.name, "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.8}}
-        ]
+        made.document["materials"] = [_material(made, skin)]
         made.document["nodes"].append({"name": skin.name, "mesh": 0, "skin": 0})
         made.document["scenes"][0]["nodes"].append(len(skeleton))
     made.document["animations"] = [_animation(made, motion)]
@@ -140,12 +155,36 @@ def _mesh(made: Builder, skin: Skin) -> dict[str, Any]:
     attributes = {
         "POSITION": made.accessor(vertices, "VEC3", VERTICES, bounds=True),
         "NORMAL": made.accessor(_unit(skin.normals), "VEC3", VERTICES),
-        "COLOR_0": made.accessor(_linear(skin.colours), "VEC4", VERTICES, normalised=True),
+        **_painted(made, skin),
         "JOINTS_0": made.accessor(joints, "VEC4", VERTICES),
         "WEIGHTS_0": made.accessor(weights, "VEC4", VERTICES),
     }
     indices = made.accessor(skin.faces.astype(np.uint16 if few else np.uint32).reshape(-1), "SCALAR", INDICES)
     return {"name": skin.name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}
+
+
+def _painted(made: Builder, skin: Skin) -> dict[str, int]:
+    """Colours of the vertices, or their places in the texture: readers multiply where there are both."""
+    if skin.uv is None:
+        return {"COLOR_0": made.accessor(_linear(skin.colours), "VEC4", VERTICES, normalised=True)}
+    return {"TEXCOORD_0": made.accessor(np.asarray(skin.uv, np.float32), "VEC2", VERTICES)}
+
+
+def _material(made: Builder, skin: Skin) -> dict[str, Any]:
+    """A matt one, with the texture as JPEG in the buffer where there is one."""
+    look: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": 0.8}
+    if skin.texture is not None:
+        file = io.BytesIO()
+        Image.fromarray(skin.texture).save(file, "JPEG", quality=TEXTURE_QUALITY, subsampling=0)
+        made.document["images"] = [
+            {"name": skin.name, "mimeType": "image/jpeg", "bufferView": made.view(file.getvalue())}
+        ]
+        made.document["samplers"] = [
+            {"magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE}
+        ]
+        made.document["textures"] = [{"sampler": 0, "source": 0}]
+        look["baseColorTexture"] = {"index": 0}
+    return {"name": skin.name, "pbrMetallicRoughness": look}
 
 
 def _unit(normals: np.ndarray) -> np.ndarray:

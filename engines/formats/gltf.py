@@ -55,16 +55,10 @@ class Builder:
         """
         component = next(number for number, dtype in _KINDS.items() if values.dtype == dtype)
         data = np.ascontiguousarray(values)
-        view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": data.nbytes}
+        view = self.view(data.astype(data.dtype.newbyteorder("<"), copy=False).tobytes())
         if target is not None:
-            view["target"] = target
-        self._binary += data.astype(data.dtype.newbyteorder("<"), copy=False).tobytes()
-        self._binary += bytes(-len(self._binary) % 4)
-        self.document["bufferViews"].append(view)
-        made: dict[str, Any] = {
-            "bufferView": len(self.document["bufferViews"]) - 1, "componentType": component, "count": len(data),
-            "type": kind,
-        }  # fmt: skip
+            self.document["bufferViews"][view]["target"] = target
+        made: dict[str, Any] = {"bufferView": view, "componentType": component, "count": len(data), "type": kind}
         if normalised:
             made["normalized"] = True
         if bounds:
@@ -72,6 +66,12 @@ class Builder:
             made |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
         self.document["accessors"].append(made)
         return len(self.document["accessors"]) - 1
+
+    def view(self, data: bytes) -> int:
+        """Append bytes to the buffer (a picture's, say); returns the index of the view of them."""
+        self.document["bufferViews"].append({"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(data)})
+        self._binary += data + bytes(-len(data) % 4)
+        return len(self.document["bufferViews"]) - 1
 
     def save(self, path: Path) -> Path:
         """Write the file, beside and renamed.

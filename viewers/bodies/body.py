@@ -1,4 +1,4 @@
-"""Body: a skin over a skeleton, in the form every viewer wants it: rest mesh, weights, colours."""
+"""Body: a skin over a skeleton, in the form every viewer wants it: rest mesh, weights, colours or a texture."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from engines.skeletons.skeleton import Skeleton
 
 INFLUENCES = 4
 """Joints a vertex may hang on; the number every graphics API is happy with."""
+LARGEST_TEXTURE = 2048
+"""Longest side of a texture, pixels."""
 
 
 @dataclass(frozen=True)
@@ -57,13 +59,17 @@ class Body:
     skin_weights: Float32[np.ndarray, "V 4"]
     """(V, 4) float32 weights, summing to one, largest first."""
     colours: UInt8[np.ndarray, "V 3"]
-    """(V, 3) uint8 sRGB base colours."""
+    """(V, 3) uint8 sRGB base colours; of a textured body the texture's at the vertices, for what draws no textures."""
     tint: Float32[np.ndarray, " V"]
     """(V,) float32: how far an actor's own colour replaces the base colour (1 on the shirt, 0 on skin)."""
     coarse: tuple[UInt32[np.ndarray, "_F 3"], ...] = ()
     """Fewer faces (F', 3) over the same vertices, the finer first: for figures that are small, shadows and ghosts."""
     licence: str = ""
     """Where the mesh comes from and on what terms."""
+    uv: Float32[np.ndarray, "V 2"] | None = None
+    """(V, 2) float32 places in `texture`, 0 to 1: u to the right, v down from its top left corner, as glTF has them."""
+    texture: UInt8[np.ndarray, "h w 3"] | None = None
+    """(h, w, 3) uint8 sRGB base colours, drawn in place of `colours`; at most `LARGEST_TEXTURE` a side."""
     own_bones: bool = False
     """It keeps its own bone lengths, and motions are brought to it; else it is stretched to a motion's."""
     sliders: tuple[Slider, ...] = ()
@@ -79,6 +85,9 @@ class Body:
             "skin_indices": (np.uint16, INFLUENCES), "skin_weights": (np.float32, INFLUENCES),
             "colours": (np.uint8, 3), "tint": (np.float32, None),
         }  # fmt: skip
+        if self.texture is not None or self.uv is not None:
+            self._check_texture()
+            wanted["uv"] = (np.float32, 2)
         count = len(self.vertices)
         for name, (kind, width) in wanted.items():
             array = np.ascontiguousarray(getattr(self, name), dtype=kind)
@@ -91,6 +100,20 @@ class Body:
         object.__setattr__(self, "coarse", tuple(np.ascontiguousarray(level, np.uint32) for level in self.coarse))
         if count and (self.skin_indices.max() >= len(self.skeleton) or (len(self.faces) and self.faces.max() >= count)):
             raise SkeletonError(f"body {self.name!r}: faces or weights point at vertices or joints that do not exist.")
+
+    def _check_texture(self) -> None:
+        """Are texture and uv there, and of the kind they must be?"""
+        texture, uv = self.texture, self.uv
+        if texture is None or uv is None or not (np.all(np.asarray(uv) >= 0) and np.all(np.asarray(uv) <= 1)):
+            raise SkeletonError(f"body {self.name!r}: accepted are a texture and uv, 0 to 1, together, or neither.")
+        shape = texture.shape
+        sides = len(shape) == 3 and shape[2] == 3 and min(shape) >= 1 and max(shape) <= LARGEST_TEXTURE
+        if texture.dtype != np.uint8 or not sides:
+            raise SkeletonError(
+                f"body {self.name!r}: its texture is {texture.dtype} of shape {shape}; accepted: uint8, (h, w, 3), "
+                f"1 to {LARGEST_TEXTURE} a side."
+            )
+        texture.setflags(write=False)
 
     def shaped(self, **values: float) -> Body:
         """This body with another shape.

@@ -20,7 +20,7 @@ _BLOCK = 64
 _LAYOUT = np.dtype(
     [("position", "<f4", 3), ("normal", "<f2", 4), ("joints", "<u2", 4), ("weights", "u1", 4), ("colour", "u1", 4)]
 )
-_FULL = ("3f 3f2 x2 4u2 4f1 3f1 x1", ("in_position", "in_normal", "in_joints", "in_weights", "in_colour"))
+_FULL = ("3f 3f2 x2 4u2 4f1 4f1", ("in_position", "in_normal", "in_joints", "in_weights", "in_colour"))
 _SHADOW = ("3f 4x2 4u2 4f1 4x1", ("in_position", "in_joints", "in_weights"))
 
 
@@ -37,10 +37,17 @@ class Mesh:
 
     buffers: list[moderngl.Buffer]
     """What the arrays read."""
+    texture: moderngl.Texture | None = None
+    """What it is painted with, where its colours do not say."""
+
+    @property
+    def program(self) -> moderngl.Program:
+        """The one that draws it in colour."""
+        return self.shaded[0].program
 
     def release(self) -> None:
         """Free the memory on the GPU."""
-        for part in (*self.shaded, self.flat, *self.buffers):
+        for part in (*self.shaded, self.flat, *self.buffers, *([self.texture] if self.texture else [])):
             part.release()
 
     def level(self, height: float) -> moderngl.VertexArray:
@@ -59,6 +66,7 @@ def mesh(graphics: GraphicsContext, body: Body, colour: tuple[float, float, floa
     Raises:
         OutOfRangeError: more joints than the graphics driver has room for.
     """
+    colour = colour if body.tint.any() else None  # else it would be the same once more
     key = (body, colour)  # bodies are told apart by identity
     held = graphics.meshes.pop(key, None) or _upload(graphics, body, colour)
     graphics.meshes[key] = held  # the latest used is the last
@@ -77,10 +85,16 @@ def _upload(graphics: GraphicsContext, body: Body, colour: tuple[float, float, f
     packed["normal"][:, :3] = body.normals
     packed["joints"] = body.skin_indices
     packed["weights"] = eight_bit_weights(body.skin_weights)
-    packed["colour"][:, :3] = body.painted(colour)
+    packed["colour"] = _paint(body, colour)
     buffer = graphics.gl.buffer(packed.tobytes())
     levels = [graphics.gl.buffer(faces.astype(np.uint32).tobytes()) for faces in (body.faces, *body.coarse)]
-    shaded = graphics.program("figure", "figure", ROWS=rows)
+    content: list[tuple] = [(buffer, _FULL[0], *_FULL[1])]
+    buffers, kind, texture = [buffer, *levels], {"ROWS": rows}, None
+    if body.texture is not None and body.uv is not None:
+        buffers.append(graphics.gl.buffer(body.uv.tobytes()))
+        content.append((buffers[-1], "2f", "in_uv"))
+        kind["TEXTURED"], texture = 1, _texture(graphics, body.texture)
+    shaded = graphics.program("figure", "figure", **kind)
     flat = graphics.program("shadow", "shadow", ROWS=rows)
     for program in (shaded, flat):
         block = program["Pose"]
@@ -88,10 +102,32 @@ def _upload(graphics: GraphicsContext, body: Body, colour: tuple[float, float, f
         block.binding = 0
     return Mesh(
         rows,
-        [graphics.gl.vertex_array(shaded, [(buffer, _FULL[0], *_FULL[1])], level) for level in levels],
+        [graphics.gl.vertex_array(shaded, content, level) for level in levels],
         graphics.gl.vertex_array(flat, [(buffer, _SHADOW[0], *_SHADOW[1])], levels[-1]),
-        [buffer, *levels],
+        buffers,
+        texture,
     )
+
+
+def _paint(body: Body, colour: tuple[float, float, float] | None) -> np.ndarray:
+    """(V, 4) uint8 colours, and how much of a texture they cover."""
+    made = np.zeros((len(body.vertices), 4), np.uint8)
+    if body.texture is None:
+        made[:, :3] = body.painted(colour)
+    elif colour is not None:
+        made[:, :3] = np.round(255 * np.array(colour))
+        made[:, 3] = np.round(255 * body.tint)
+    return made
+
+
+def _texture(graphics: GraphicsContext, pixels: np.ndarray) -> moderngl.Texture:
+    """A picture (h, w, 3) with smaller ones of itself; its first row is at v = 0, as uv has it."""
+    height, width = pixels.shape[:2]
+    made = graphics.gl.texture((width, height), 3, pixels.tobytes(), alignment=1)
+    made.build_mipmaps()
+    made.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+    made.repeat_x = made.repeat_y = False
+    return made
 
 
 class Poses:

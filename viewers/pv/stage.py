@@ -99,7 +99,7 @@ class Figure:
         colour = hex_to_rgb(actor.colour) if actor.colour else None
         paint = one.body.painted(colour)
         self.mesh = _body_mesh(one.body, one.body.faces, paint)
-        _add_body(plotter, self.mesh, one.alpha)
+        _add_body(plotter, self.mesh, one.alpha, _texture(one.body, colour))
         self.shadow: Any = None
         if shadow:
             coarse = one.body.coarse[-1] if one.body.coarse else one.body.faces
@@ -202,12 +202,25 @@ def _body_mesh(body: Body, faces: np.ndarray, paint: np.ndarray) -> Any:
     mesh.point_data["colour"] = paint
     mesh.point_data["Normals"] = body.normals.copy()
     mesh.point_data.active_normals_name = "Normals"
+    if body.uv is not None:
+        mesh.active_texture_coordinates = body.uv * [1, -1] + [0, 1]  # VTK counts v from below
     return mesh
 
 
-def _add_body(plotter: Plotter, mesh: Any, alpha: float) -> Any:
+def _texture(body: Body, colour: tuple[float, float, float] | None) -> Any:
+    """The body's texture, or None; one colour laid over some of it is only in the colours of the vertices."""
+    if body.texture is None or (colour is not None and body.tint.any()):
+        return None
+    made = pyvista_module().Texture(body.texture)
+    made.mipmap = made.interpolate = True
+    return made
+
+
+def _add_body(plotter: Plotter, mesh: Any, alpha: float, texture: Any = None) -> Any:
+    """A body in its texture, or where there is none in the colours of its vertices."""
+    painted = {"texture": texture} if texture is not None else {"scalars": "colour", "rgb": True}
     return plotter.add_mesh(
-        mesh, scalars="colour", rgb=True, smooth_shading=True, opacity=alpha, ambient=0.22, diffuse=0.9, specular=0.06,
+        mesh, **painted, smooth_shading=True, opacity=alpha, ambient=0.22, diffuse=0.9, specular=0.06,
         specular_power=20, culling="back" if alpha < 1 else None,
     )  # fmt: skip
 

@@ -16,7 +16,9 @@ A *body* (sent once): `vertices` uint16 (V, 3), where position = low + (high - l
 `coarse0`, `coarse1`, ..., where the body has them, fewer and fewer faces over the same vertices, for ghosts, shadows
 and crowds; `skin_indices` uint8 (V, 4);
 `skin_weights` uint8 (V, 4) that add up to 255 per vertex; `colours` uint8 (V, 3) sRGB; `tint` uint8 (V,), how far (of
-255) the actor's own colour replaces that colour; `header["skeleton"]` the rest pose it is bound to.
+255) the actor's own colour replaces that colour; `header["skeleton"]` the rest pose it is bound to. A textured one
+also has `texture` uint8 (N,), a picture in sRGB as a file of the kind that `header["texture"]` names, and `uv` uint16
+(V, 2), places in it times 65535: u to the right, v down from its top left corner.
 
 *Takes* (sent whenever the motions change): `header["skeletons"]`, and `header["actors"]` with name, colour, offset,
 fps, frames, labels and the index of a skeleton. Actor i owns `rotations{i}` int16 (T, J, 4), unit quaternions wxyz
@@ -30,12 +32,14 @@ good to 0.01 mm within 100 m of the origin.
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from engines.errors import FormatError, OutOfRangeError
 from engines.geometry import rotations
@@ -49,6 +53,8 @@ MAX_ACTORS = 16
 UNIT_STEPS = 32767
 POSITION_STEPS = 65535
 BYTE_STEPS = 255
+TEXTURE_QUALITY = 92
+"""Of textures, as WebP: photographs of 1,024 pixels a side take some 200 kB."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +131,12 @@ def encode_body(body: Body | None) -> bytes:
         "high": (low + span).tolist(),
         "skeleton": describe_skeleton(body.skeleton),
     }
+    if body.texture is not None and body.uv is not None:
+        file = io.BytesIO()
+        Image.fromarray(body.texture).save(file, "WEBP", quality=TEXTURE_QUALITY)
+        header["texture"] = "image/webp"
+        arrays["texture"] = np.frombuffer(file.getvalue(), np.uint8)
+        arrays["uv"] = np.rint(body.uv * POSITION_STEPS).astype(np.uint16)
     return pack(header, arrays)
 
 

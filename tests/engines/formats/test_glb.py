@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
 import struct
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from engines import formats
 from engines.errors import FormatError, OutOfRangeError, SkeletonError
@@ -33,6 +35,8 @@ def tetrahedron(skeleton=SMPL22) -> SimpleNamespace:
         skin_indices=np.tile(np.array([3, 1, 2, 7], np.uint16), (4, 1)),
         skin_weights=np.tile(np.array([1 / 3, 1 / 3, 1 / 3, 0], np.float32), (4, 1)),
         colours=np.array([[255, 0, 188], [0, 0, 0], [255, 255, 255], [10, 20, 30]], np.uint8),
+        uv=None,
+        texture=None,
     )
 
 
@@ -53,7 +57,7 @@ def check_standard(path) -> dict:
     sizes = {5121: 1, 5123: 2, 5125: 4, 5126: 4}
     for accessor in tree["accessors"]:
         view = tree["bufferViews"][accessor["bufferView"]]
-        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[accessor["type"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[accessor["type"]]
         size = sizes[accessor["componentType"]]
         assert view["byteOffset"] % 4 == 0 and view["byteLength"] == accessor["count"] * width * size
         assert view["byteOffset"] + view["byteLength"] <= held
@@ -101,6 +105,23 @@ def test_a_skin_obeys_the_standard(tmp_path, motion):
     assert gltf.array(primitive["indices"]).max() == 3
     bind = gltf.array(tree["skins"][0]["inverseBindMatrices"]).reshape(-1, 4, 4)[:, 3, :3]
     np.testing.assert_allclose(bind, -SMPL22.rest_positions, atol=1e-6)
+
+
+def test_a_texture_takes_the_place_of_colours(tmp_path, motion):
+    skin = tetrahedron()
+    skin.texture = np.full((20, 30, 3), (200, 40, 90), np.uint8)
+    skin.uv = np.array([[0, 0], [1, 0], [0, 1], [0.25, 0.5]], np.float32)
+    path = formats.write(motion, tmp_path / "walk.glb", skin=skin)
+    tree, gltf = check_standard(path), Gltf(path, path.read_bytes())
+    attributes = tree["meshes"][0]["primitives"][0]["attributes"]
+    assert "COLOR_0" not in attributes, "readers multiply it with the texture"
+    np.testing.assert_array_equal(gltf.array(attributes["TEXCOORD_0"]), skin.uv)
+    texture = tree["textures"][tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"]]
+    view = tree["bufferViews"][tree["images"][texture["source"]]["bufferView"]]
+    start = path.read_bytes().index(b"\xff\xd8\xff")
+    picture = Image.open(io.BytesIO(path.read_bytes()[start : start + view["byteLength"]]))
+    assert picture.size == (30, 20) and picture.format == "JPEG"
+    assert np.abs(np.asarray(picture).astype(int) - skin.texture).max() <= 3
 
 
 def test_every_default_body_is_a_skin(tmp_path):

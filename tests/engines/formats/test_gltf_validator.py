@@ -14,6 +14,7 @@ import pytest
 
 from engines import formats
 from tests.engines.formats.conftest import random_motion
+from tests.viewers.textured import gradient, textured
 from viewers.bodies import body_for
 
 WEB = Path(__file__).resolve().parents[3] / "viewers" / "web"
@@ -33,7 +34,7 @@ def report(path: Path) -> dict:
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize("body", [None, "anny", "stick"])
+@pytest.mark.parametrize("body", [None, "anny", "stick", textured(gradient())])
 def test_nothing_is_wrong(tmp_path, body):
     motion, options = random_motion(12), {}
     if body:

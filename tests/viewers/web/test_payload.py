@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from engines.errors import FormatError, OutOfRangeError
 from engines.geometry import rotations
 from engines.motion import Motion
 from engines.skeletons import SMPL22
+from tests.viewers.textured import checkers, textured
 from tests.viewers.web.synthetic import walk
 from viewers import bodies
 from viewers.web import payload
@@ -96,6 +100,17 @@ def test_body_survives_to_a_tenth_of_a_millimetre(name: str):
     assert all(np.array_equal(arrays[f"coarse{i}"], faces) for i, faces in enumerate(body.coarse))
     assert np.array_equal(arrays["skin_indices"], body.skin_indices)
     assert np.allclose(header["skeleton"]["offsets"], body.skeleton.offsets, atol=1e-6)
+
+
+def test_a_texture_travels_once_as_a_picture():
+    body = textured(checkers())
+    header, arrays = payload.unpack(payload.encode_body(body))
+    assert np.abs(arrays["uv"] / payload.POSITION_STEPS - body.uv).max() < 1e-5
+    assert header["texture"] == "image/webp" and len(arrays["texture"]) < 100_000
+    picture = np.asarray(Image.open(io.BytesIO(arrays["texture"].tobytes())).convert("RGB"))
+    assert np.abs(picture.astype(int) - checkers()).mean() < 3.0
+    plain, without = payload.unpack(payload.encode_body(bodies.get("anny")))
+    assert "texture" not in plain and not {"uv", "texture"} & set(without)
 
 
 def test_no_body_no_bytes():

@@ -30,7 +30,7 @@ export class Actor {
 
   #dress(body, crowd) {
     this.skin = new Skin(body, this.take.skeleton, crowd ? 1 : 0);
-    this.material = bodyMaterial();
+    this.material = bodyMaterial(body);
     this.solid = this.skin.mesh(this.material, 3);
     this.depth = this.skin.mesh(depthMaterial(), 2);
     this.depth.material.transparent = true;

@@ -51,6 +51,8 @@ export function decodeBody(data) {
     skinWeights: arrays.skin_weights,
     colours: arrays.colours,
     tint: arrays.tint,
+    uv: arrays.uv, // undefined without a texture
+    texture: arrays.texture && new Blob([arrays.texture], { type: header.texture }),
     skeleton: header.skeleton,
   };
 }

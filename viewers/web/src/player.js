@@ -51,7 +51,7 @@ export class MotionPlayer extends EventTarget {
   setBody(data) {
     this.body = decodeBody(data);
     this.geometry?.dispose();
-    this.geometry = this.body && new BodyGeometry(this.body);
+    this.geometry = this.body && new BodyGeometry(this.body, () => this.stage.invalidate());
     if (this.actors.length) this.#stageTakes(this.actors.map((actor) => actor.take));
   }
 
@@ -381,7 +381,8 @@ export class MotionPlayer extends EventTarget {
   }
 
   /** The picture as it is now, as a PNG blob. */
-  picture() {
+  async picture() {
+    await this.geometry?.arrived;
     this.stage.refine();
     if (this.geometry) this.geometry.rough = false;
     this.#pose();

@@ -1,7 +1,7 @@
 // The skinned body: one geometry shared by every figure and ghost, one small set of bone matrices each.
 import {
   AlwaysStencilFunc, BackSide, Bone, BufferAttribute, BufferGeometry, Color, DetachedBindMode, MeshBasicMaterial, MeshLambertMaterial,
-  MeshStandardMaterial, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Skeleton, SkinnedMesh,
+  LinearMipmapLinearFilter, MeshStandardMaterial, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Skeleton, SkinnedMesh, Texture,
 } from "three";
 import { Binding } from "./pose.js";
 import { setRaw } from "./backdrop.js";
@@ -11,7 +11,8 @@ import { setRaw } from "./backdrop.js";
  * index, so that a mesh chooses by its draw range, and may choose otherwise for its shadow.
  */
 export class BodyGeometry {
-  constructor(body) {
+  /** `changed` is called when a texture has arrived; until then the body has the colours of its vertices. */
+  constructor(body, changed = () => {}) {
     this.skeleton = body.skeleton;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(body.vertices, 3));
@@ -30,6 +31,20 @@ export class BodyGeometry {
     geometry.setIndex(new BufferAttribute(index, 1));
     this.geometry = geometry;
     this.rough = false; // set while pictures have to come fast: everything one level coarser
+    this.painting = null; // uniforms of the texture
+    if (body.texture) {
+      geometry.setAttribute("uv", new BufferAttribute(body.uv, 2, true));
+      this.painting = { painting: { value: new Texture() }, arrived: { value: 0 } };
+      this.arrived = this.#load(body.texture).then(changed, () => {}); // a picture that no browser reads: as it was
+    }
+  }
+
+  // Its values are used as they are stored (sRGB), like the colours of vertices; its first row is at v = 0.
+  async #load(file) {
+    const picture = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+    const { painting, arrived } = this.painting;
+    Object.assign(painting.value, { image: picture, flipY: false, minFilter: LinearMipmapLinearFilter, needsUpdate: true });
+    arrived.value = 1;
   }
 
   /** Chooses what the next mesh is drawn with: 0 is the finest, Infinity the coarsest. */
@@ -39,6 +54,7 @@ export class BodyGeometry {
 
   dispose() {
     this.geometry.dispose();
+    this.painting?.painting.value.dispose();
   }
 }
 
@@ -97,8 +113,8 @@ export class Skin {
 }
 
 /** Lit material in the body's own colours, dyed by the actor's where the body allows it, with a soft edge light. */
-export function bodyMaterial() {
-  return dyed(new MeshStandardMaterial({ roughness: 0.68, metalness: 0 }), 0);
+export function bodyMaterial(body) {
+  return dyed(new MeshStandardMaterial({ roughness: 0.68, metalness: 0 }), 0, body.painting);
 }
 
 /** The same for ghosts: matt, and in one colour but for a trace of the body's own. */
@@ -106,16 +122,18 @@ export function ghostMaterial() {
   return dyed(new MeshLambertMaterial({ transparent: true }), 0.82);
 }
 
-function dyed(material, wash) {
+function dyed(material, wash, painting = null) {
   const extra = {
     dyeColour: { value: new Color() }, wash: { value: wash }, edgeColour: { value: new Color() }, edgeGlow: { value: 0.2 },
+    ...painting,
   };
+  if (painting) material.defines = { ...material.defines, PAINTED: "" };
   material.userData.extra = extra;
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, extra);
     shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", "#include <common>\nattribute vec4 paint;\nvarying vec4 vPaint;")
-      .replace("#include <begin_vertex>", "#include <begin_vertex>\nvPaint = paint;");
+      .replace("#include <common>", "#include <common>\nattribute vec4 paint;\nvarying vec4 vPaint;\nvarying vec2 vPlace;")
+      .replace("#include <begin_vertex>", "#include <begin_vertex>\nvPaint = paint;\nvPlace = uv;");
     shader.fragmentShader = shader.fragmentShader
       .replace("#include <common>", `#include <common>\n${DYE_PARS}`)
       .replace("#include <color_fragment>", DYE)
@@ -125,12 +143,19 @@ function dyed(material, wash) {
 }
 
 const DYE_PARS = `
-varying vec4 vPaint;
+varying vec4 vPaint; varying vec2 vPlace;
 uniform vec3 dyeColour; uniform vec3 edgeColour;
-uniform float wash; uniform float edgeGlow;`;
+uniform float wash; uniform float edgeGlow;
+#ifdef PAINTED
+uniform sampler2D painting; uniform float arrived;
+#endif`;
 // colours are mixed as they are seen (sRGB), as Body.painted does, then made linear for the light
 const DYE = `
-vec3 seen = mix(vPaint.rgb, dyeColour, max(vPaint.a, wash));
+vec3 own = vPaint.rgb;
+#ifdef PAINTED
+own = mix(own, texture2D(painting, vPlace).rgb, arrived);
+#endif
+vec3 seen = mix(own, dyeColour, max(vPaint.a, wash));
 diffuseColor.rgb = sRGBTransferEOTF(vec4(seen, 1.0)).rgb;`;
 const EDGE_LIGHT = `
 float facing = saturate(dot(normal, normalize(vViewPosition)));
