@@ -166,7 +166,7 @@ def simplified(surface: Surface, faces: int = EASY_FACES) -> Surface:
     shape = surface.vertices.astype(np.float64), surface.faces.astype(np.int32)
     points, kept = fast_simplification.simplify(*shape, target_count=faces)[:2]
     surface = surface.coloured()
-    nearest = KDTree(surface.vertices).query(points)[1]
+    nearest = np.asarray(KDTree(surface.vertices).query(points)[1])
     few = surface.replaced(uv=None, texture=None)
     return _taken(few, nearest, kept).replaced(vertices=points)
 
