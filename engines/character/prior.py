@@ -99,7 +99,7 @@ def learned(clips: Sequence[Clip], components: int = COMPONENTS, seed: int = 0) 
     arrays = {
         "weights": mixture.weights_,
         "means": mixture.means_,
-        "factors": np.linalg.cholesky(mixture.covariances_),
+        "factors": np.linalg.cholesky(np.asarray(mixture.covariances_)),
     }
     log.info("%d poses, mean log likelihood %.1f", len(poses), mixture.score(poses))
     return {name: array.astype(np.float32) for name, array in arrays.items()}

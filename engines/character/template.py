@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -132,6 +133,13 @@ class Puppet:
         moves = joints - torch.einsum("jab,jb->ja", turns, places)
         blended = (self.skin @ torch.cat([turns.flatten(1), moves], dim=1)).split([9, 3], dim=1)
         return torch.einsum("nab,nb->na", blended[0].unflatten(1, (3, 3)), rest) + blended[1], joints, turns
+
+    def only(self, rows: Integer[Tensor, " M"]) -> Puppet:
+        """The puppet with some of its vertices (M,), in their order."""
+        fewer = copy.copy(self)
+        fewer.vertices, fewer.skin = self.vertices[rows], self.skin[rows]
+        fewer._vertex_moves = self._vertex_moves[:, rows]
+        return fewer
 
     def shape(self, values: Float[Tensor, " S"]) -> dict[str, float]:
         """Sliders by name, brought within their bounds."""
