@@ -13,6 +13,7 @@ from scipy.sparse import csgraph
 from scipy.spatial import KDTree
 
 from engines.errors import MeshError, MissingDependencyError, OutOfRangeError
+from engines.geometry.skins import vertex_normals
 
 MAX_FACES = 2_000_000
 """No mesh with more faces is taken: in memory it would be several times its file."""
@@ -90,13 +91,7 @@ class Surface:
     @cached_property
     def normals(self) -> Float[np.ndarray, "N 3"]:
         """(N, 3) unit normals, area-weighted; vertices at one place share theirs. Zero where no face is."""
-        corners = self.vertices[self.faces]
-        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])  # (F, 3), twice the area
-        total = np.zeros((self.groups.max() + 1, 3))
-        for corner in range(3):
-            np.add.at(total, self.groups[self.faces[:, corner]], flat)
-        length = np.linalg.norm(total, axis=1, keepdims=True)
-        return (total / np.where(length > 0, length, 1.0))[self.groups]
+        return vertex_normals(self.vertices, self.faces, self.groups).astype(np.float64)
 
     @cached_property
     def groups(self) -> Int[np.ndarray, " N"]:

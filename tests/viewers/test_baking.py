@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from engines.geometry import rotations
+from engines.geometry.skins import strongest
 from engines.skeletons import SMPL22
 from tests.viewers import poses
 from viewers.bodies.baking import dress, simplify, surface, unpose, weights
 from viewers.bodies.baking.weights import SkinMesh
-from viewers.bodies.packed import UNIT, save, strongest, unpack
+from viewers.bodies.packed import UNIT, save, unpack
 
 
 def ball(points: int = 400) -> SkinMesh:

@@ -12,11 +12,12 @@ from scipy.spatial import KDTree
 
 from engines.errors import SkeletonError, UnknownLabelError
 from engines.geometry import rotations
+from engines.geometry.skins import skinning_matrices
 from engines.motion import Motion
 from engines.skeletons import SMPL22, Skeleton
 from tests.viewers import poses
 from viewers import bodies
-from viewers.bodies.body import eight_bit_weights, skinning_matrices
+from viewers.bodies.body import eight_bit_weights
 
 
 @st.composite

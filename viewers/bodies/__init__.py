@@ -13,10 +13,11 @@ from importlib.util import find_spec
 from pathlib import PurePath
 
 from engines.errors import MotionloomError, UnknownLabelError
+from engines.geometry.skins import skinning_matrices
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 from engines.skeletons.skeleton import Skeleton
-from viewers.bodies.body import Body, Slider, skinning_matrices
+from viewers.bodies.body import Body, Slider
 
 _SMPL = {"smpl": "MOTIONLOOM_SMPL", "smplh": "MOTIONLOOM_SMPLH", "smplx": "MOTIONLOOM_SMPLX"}
 _NAMES = ("anny", "stick", "mannequin", *_SMPL)

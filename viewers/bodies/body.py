@@ -7,15 +7,14 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Float32, Integer, UInt8, UInt16, UInt32
+from jaxtyping import Float, Float32, UInt8, UInt16, UInt32
 from scipy import sparse
 
 from engines.errors import SkeletonError
+from engines.geometry.skins import INFLUENCES, skinning_matrices
 from engines.motion import Motion
 from engines.skeletons.skeleton import Skeleton
 
-INFLUENCES = 4
-"""Joints a vertex may hang on; the number every graphics API is happy with."""
 LARGEST_TEXTURE = 2048
 """Longest side of a texture, pixels."""
 
@@ -210,23 +209,6 @@ class Body:
         return float(np.ptp(self.vertices[:, 1])) if len(self.vertices) else 0.0
 
 
-def skinning_matrices(
-    skeleton: Skeleton, positions: Float[np.ndarray, "*batch J 3"], turns: Float[np.ndarray, "*batch J 3 3"]
-) -> Float32[np.ndarray, "*batch J 3 4"]:
-    """Matrices that carry rest-pose points with each joint.
-
-    Args:
-        skeleton: gives the rest positions (J, 3).
-        positions: (..., J, 3) joint positions, metres.
-        turns: (..., J, 3, 3) global rotations.
-
-    Returns:
-        (..., J, 3, 4) float32 rows [R | p - R rest].
-    """
-    moved = positions - np.einsum("...jab,jb->...ja", turns, skeleton.rest_positions)
-    return np.concatenate([turns, moved[..., None]], axis=-1).astype(np.float32)
-
-
 def _bone_stretch(old: Skeleton, new: Skeleton) -> np.ndarray:
     """(J, 3, 3) stretch along each joint's main bone: the one to its farthest child that lies in the same chain."""
     stretch = np.tile(np.eye(3), (len(old), 1, 1))
@@ -247,21 +229,3 @@ def eight_bit_weights(weights: Float[np.ndarray, "V 4"]) -> UInt8[np.ndarray, "V
     largest = rounded.argmax(1)
     rounded[np.arange(len(rounded)), largest] += 255 - rounded.sum(1)
     return rounded.astype(np.uint8)
-
-
-def vertex_normals(
-    vertices: Float[np.ndarray, "V 3"],
-    faces: Integer[np.ndarray, "F 3"],
-    groups: Integer[np.ndarray, " V"] | None = None,
-) -> Float32[np.ndarray, "V 3"]:
-    """(V, 3) float32 unit normals, area-weighted; vertices of one group (same place, split by colour) share theirs."""
-    corners = vertices[faces].astype(np.float64)
-    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    where = faces if groups is None else groups[faces]
-    total = np.zeros((len(vertices), 3))
-    for corner in range(3):
-        np.add.at(total, where[:, corner], flat)
-    if groups is not None:
-        total = total[groups]
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return (total / np.where(length > 0, length, 1.0)).astype(np.float32)

@@ -8,7 +8,8 @@ from functools import lru_cache
 import numpy as np
 
 from engines.errors import MissingDependencyError, MotionloomError
-from viewers.bodies.body import Body, Slider, vertex_normals
+from engines.geometry.skins import vertex_normals
+from viewers.bodies.body import Body, Slider
 from viewers.bodies.smpl_joints import COUNT, folded, house_skeleton
 
 BETAS = 10

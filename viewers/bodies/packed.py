@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from engines.geometry.skins import strongest
 from engines.skeletons import SMPL22
-from viewers.bodies.body import INFLUENCES, Body, eight_bit_weights
+from viewers.bodies.body import Body, eight_bit_weights
 
 if TYPE_CHECKING:
     from viewers.bodies.baking.dress import Dressed
@@ -40,18 +41,6 @@ def save(dressed: Dressed, path: Path) -> None:
     part = path.with_suffix(".part.npz")
     np.savez_compressed(part, **arrays)
     part.replace(path)
-
-
-def strongest(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The four strongest joints (V, 4) of full weights (V, J), and their weights (V, 4) summing to one.
-
-    What is left out fades as it becomes the fifth: the weakest of the four are lessened by it, so that
-    neighbours that keep different fours stay close.
-    """
-    order = np.argsort(-weights, axis=1, kind="stable")[:, : INFLUENCES + 1]
-    kept = np.take_along_axis(weights, order, axis=1)
-    kept = np.maximum(kept[:, :INFLUENCES] - kept[:, INFLUENCES:], 0.0)
-    return order[:, :INFLUENCES], kept / kept.sum(1, keepdims=True)
 
 
 def unpack(path: Path, name: str, licence: str) -> Body:

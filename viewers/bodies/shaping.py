@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from engines.errors import OutOfRangeError, UnknownLabelError
+from engines.geometry.skins import vertex_normals
 from engines.skeletons.skeleton import Skeleton
-from viewers.bodies.body import Body, Slider, vertex_normals
+from viewers.bodies.body import Body, Slider
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,8 @@ import numpy as np
 
 from engines.errors import FormatError
 from engines.formats.files import existing_file
-from viewers.bodies.body import Body, Slider, vertex_normals
+from engines.geometry.skins import vertex_normals
+from viewers.bodies.body import Body, Slider
 from viewers.bodies.shaping import Blend, BlendShapes
 from viewers.bodies.smpl_joints import COUNT, folded, house_skeleton
 

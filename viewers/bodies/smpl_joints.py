@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from engines.geometry.skins import strongest
 from engines.skeletons import SMPL22
 from engines.skeletons.skeleton import Skeleton
-from viewers.bodies.packed import strongest
 
 COUNT = len(SMPL22)
 

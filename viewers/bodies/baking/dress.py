@@ -219,7 +219,7 @@ def _onto(points: np.ndarray, hull: ConvexHull, beyond: float) -> np.ndarray:
 
 
 def _outward(mesh: SkinMesh) -> np.ndarray:
-    from viewers.bodies.body import vertex_normals
+    from engines.geometry.skins import vertex_normals
 
     return vertex_normals(mesh.vertices, mesh.faces).astype(np.float64)
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from engines.geometry.skins import vertex_normals
 from viewers.bodies.baking.weights import SkinMesh, neighbours
-from viewers.bodies.body import vertex_normals
 
 _SNAP = 0.22
 """A cut this near an edge's end (as a share of the edge) moves the end onto the cut instead of making a sliver."""
