@@ -98,7 +98,7 @@ def _refined(
     person = coarse > 0.5
     doubt = np.abs(coarse - 0.5) < 0.5 - _DOUBT
     about = np.asarray(ndimage.binary_dilation(doubt, iterations=max(1, round(cell / 2))))
-    band = (_distance(person, ~person) <= max(2.0, _BAND * cell)) | about
+    band = np.logical_or(_distance(person, ~person) <= max(2.0, _BAND * cell), about)
     sure, never = person & ~band, ~person & ~band
     if not (sure.any() and never.any() and band.any()):
         return coarse

@@ -175,6 +175,16 @@ def examine(pixels: UInt8[np.ndarray, "H W 3"], crop: Crop) -> Body:
     )
 
 
+def largest(pixels: UInt8[np.ndarray, "H W 3"]) -> Body | None:
+    """The largest person that the detector finds in a picture, looked at twice.
+
+    Raises:
+        MissingDependencyError: the networks are not installed.
+    """
+    bodies = [examine(pixels, examine(pixels, crop).following) for crop in detect(pixels)]
+    return max((body for body in bodies if body.score >= SURE), key=lambda body: body.crop.side, default=None)
+
+
 def _refined(flat: Float[np.ndarray, "N 2"], heat: Float[np.ndarray, "h w N"]) -> Float[np.ndarray, "N 2"]:
     """Landmarks (0 to 1) moved to the middle of the heat around them, where there is enough of it."""
     refined = flat.astype(np.float64)

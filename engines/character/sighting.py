@@ -78,11 +78,18 @@ class Sighting:
     @property
     def scale(self) -> float:
         """Pixels a metre: the one that lays `places` best over `points`, the well seen counting most."""
-        weights = self.seen + 1e-3
-        flat = self.places[:, :2] * (1, -1)
-        flat = flat - np.average(flat, axis=0, weights=weights)
-        drawn = self.points - np.average(self.points, axis=0, weights=weights)
-        return float(np.einsum("n,nc,nc", weights, flat, drawn) / np.einsum("n,nc,nc", weights, flat, flat))
+        return projected_scale(self.points, self.places, self.seen)
+
+
+def projected_scale(
+    points: Float[np.ndarray, "N 2"], places: Float[np.ndarray, "N 3"], seen: Float[np.ndarray, " N"]
+) -> float:
+    """Pixels a metre: the one that lays places (N, 3) best over points (N, 2), y down, by least squares."""
+    weights = seen + 1e-3
+    flat = places[:, :2] * (1, -1)
+    flat = flat - np.average(flat, axis=0, weights=weights)
+    drawn = points - np.average(points, axis=0, weights=weights)
+    return float(np.einsum("n,nc,nc", weights, flat, drawn) / np.einsum("n,nc,nc", weights, flat, flat))
 
 
 def look(picture: Picture) -> Sighting:
