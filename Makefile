@@ -3,13 +3,16 @@ VENV ?= .venv
 PY := $(VENV)/bin/python
 PORT ?= 5006
 
-.PHONY: help studio test check format bench player body clean
+.PHONY: help studio character test check format bench player body clean
 
 help:  ## This list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
 studio: $(VENV)/.run  ## Install what is missing, start the studio, open it in the browser
 	@$(VENV)/bin/motionloom studio --port $(PORT)
+
+character: $(VENV)/.run  ## What it takes to make a character of a photo, and a motion of a video
+	@sh scripts/environment.sh $(VENV) character
 
 test: $(VENV)/.dev  ## All tests (golden numbers and real data too where ../shared is present)
 	@sh scripts/system_packages.sh egl chromium ffmpeg

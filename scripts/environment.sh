@@ -1,5 +1,5 @@
 #!/bin/sh
-# Make the virtual environment: environment.sh FOLDER run|dev
+# Make the virtual environment: environment.sh FOLDER run|dev|character
 # Torch comes from its CPU index where that answers (the default index would bring gigabytes of CUDA), else from pip's
 # own index. MOTIONLOOM_TORCH_INDEX chooses another index; empty skips straight to pip's own.
 set -eu
@@ -27,8 +27,15 @@ if ! "$venv/bin/python" -c 'import torch' 2>/dev/null; then
     fi
 fi
 pip install --quiet -e .
-if [ "$kind" = dev ]; then
+if [ "$kind" != run ]; then
+    # only the networks in its wheel are read, so nothing it asks for is installed (it asks for an old NumPy)
+    pip install --quiet --no-deps mediapipe==0.10.21
+fi
+case $kind in
+character) pip install --quiet -e '.[character]' ;;
+dev)
     pip install --quiet --group dev
     touch "$venv/.dev"
-fi
+    ;;
+esac
 touch "$venv/.run"

@@ -39,6 +39,8 @@ _SEEN = 0.5
 """Share of the frames in which the person must be found."""
 _FOCAL = 1.0
 """Focal length, in widths of the picture's longer side: a telephone held upright."""
+_EARS = 0.4
+"""Of an upright head the ears lie before the neck by this share of the way from ears to nose."""
 _SMOOTH = 0.05
 """Deviation of the Gaussian over landmarks, seconds."""
 _DRIFT = 0.7
@@ -181,7 +183,8 @@ def _joints(track: _Track) -> dict[str, Float[np.ndarray, "T 3"]]:
     rest = dict(zip(SMPL22.joints, SMPL22.rest_positions[:, 1], strict=True))
     joints["pelvis"] = hips + up * (rest["pelvis"] - rest["left_hip"])
     joints["neck"] = shoulders + up * (rest["neck"] - rest["left_shoulder"])
-    joints["head"] = (at["left_ear"] + at["right_ear"]) / 2
+    ears = (at["left_ear"] + at["right_ear"]) / 2
+    joints["head"] = ears - _EARS * (at["nose"] - ears)
     return joints
 
 
