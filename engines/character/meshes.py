@@ -67,20 +67,29 @@ def read_mesh(source: str | Path | bytes, name: str = "") -> MeshFile:
         kind = inner.suffix.lower()
     if kind not in KINDS:
         raise FormatError(path, f"meshes of this kind are not read; accepted: {', '.join(KINDS)}, or a .zip of one.")
-    claimed = _claimed_faces(path, kind, data)
-    if claimed > MAX_FACES:
-        raise MeshError(
-            f"{path}: has {claimed:,} faces; accepted: at most {MAX_FACES:,}. Simplify it first: a body needs some "
-            "twenty thousand."
-        )
+    check_faces(path, kind, data)
     beside = _Beside(find)
     surface, remarks = standing(joined(_pieces(path, kind, data, beside)), known_up=kind == ".glb")
     lost = [f"What it refers to as {missing!r} was not found and is left out." for missing in beside.missing]
     return MeshFile(surface, (*remarks, *lost))
 
 
+def check_faces(path: Path, kind: str, data: bytes) -> None:
+    """Refuse a mesh that says it has more faces than are taken, before they are unpacked.
+
+    Raises:
+        MeshError: too many.
+        FormatError: a .glb that is none.
+    """
+    claimed = _claimed_faces(path, kind, data)
+    if claimed > MAX_FACES:
+        raise MeshError(
+            f"{path}: has {claimed:,} faces; accepted: at most {MAX_FACES:,}. Simplify it first: a body needs some "
+            "twenty thousand."
+        )
+
+
 def _claimed_faces(path: Path, kind: str, data: bytes) -> int:
-    """Faces a file says it has, before they are unpacked."""
     if kind == ".obj":
         return data.count(b"\nf ") + data.count(b"\nf\t")
     if kind == ".ply":

@@ -143,10 +143,12 @@ def _within_unit(piece: Piece) -> Piece:
     """
     assert piece.uv is not None
     uv = np.nan_to_num(np.asarray(piece.uv, np.float64))
-    tile = np.floor(uv[piece.faces].min(axis=1) + 1e-3).astype(np.int64)  # (F, 2)
+    corners = uv[piece.faces]
+    beyond = np.abs(corners - 0.5).max(axis=1) > 0.5 + 1e-3  # (F, 2)
+    tile = np.where(beyond, np.floor(corners.mean(axis=1)), 0).astype(np.int64)
     if tile.any():
-        corners = np.concatenate([piece.faces[..., None], np.repeat(tile[:, None], 3, axis=1)], axis=-1).reshape(-1, 3)
-        kept, number = np.unique(corners, axis=0, return_inverse=True)
+        named = np.concatenate([piece.faces[..., None], np.repeat(tile[:, None], 3, axis=1)], axis=-1).reshape(-1, 3)
+        kept, number = np.unique(named, axis=0, return_inverse=True)
         piece = piece.taken(kept[:, 0], number.reshape(-1, 3))
         uv = uv[kept[:, 0]] - kept[:, 1:]
     return replace(piece, uv=np.clip(uv, 0, 1))

@@ -25,7 +25,8 @@ import numpy as np
 
 from engines.errors import FormatError, MotionloomError, OutOfRangeError
 from engines.formats.bvh import STILL, STRETCH_LIMIT, as_house
-from engines.formats.files import MAX_JOINTS, read_bytes
+from engines.formats.files import read_bytes
+from engines.formats.glb_nodes import joint_nodes, node_names, node_parents
 from engines.formats.glb_tracks import Tracks
 from engines.formats.glb_writer import write
 from engines.formats.gltf import MAGIC, Gltf
@@ -74,7 +75,7 @@ def sniff(path: Path, head: bytes) -> bool:
     return head[:4] == MAGIC
 
 
-# ---- the tree of nodes ------------------------------------------------------------------------------------
+# ---- poses ------------------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -103,66 +104,6 @@ class _Pose:
             turns.append(rotations.multiply(turns[parent], self.turns[j]))
             scales.append(scales[parent] * self.scales[j])
         return places, turns, scales
-
-
-def _parents(gltf: Gltf) -> list[int]:
-    """Parent of every node, -1 for none; each node has one at most, and there are no circles."""
-    nodes = gltf.items("nodes")
-    parents = [-1] * len(nodes)
-    for number, node in enumerate(nodes):
-        for child in node.get("children", ()):
-            gltf.item("nodes", child)
-            if parents[child] >= 0:
-                raise FormatError(gltf.path, f"node {child} hangs from two others.")
-            parents[child] = number
-    depth = [0] * len(nodes)  # 0: not yet known
-    for number in range(len(nodes)):
-        chain, at = [], number
-        while at >= 0 and not depth[at]:
-            depth[at] = -1
-            chain.append(at)
-            at = parents[at]
-        if at >= 0 and depth[at] == -1:
-            raise FormatError(gltf.path, f"node {at} hangs from itself.")
-        for step, node in enumerate(reversed(chain), start=(depth[at] if at >= 0 else 0) + 1):
-            depth[node] = step
-    return parents
-
-
-def _lineage(path: Path, node: int, parents: list[int]) -> list[int]:
-    """The node's ancestors from the topmost down, itself last."""
-    line = [node]
-    while parents[line[-1]] >= 0:
-        line.append(parents[line[-1]])
-        if len(line) > MAX_JOINTS:
-            raise FormatError(path, f"has joints below more than {MAX_JOINTS:,} others; accepted: at most as many.")
-    return line[::-1]
-
-
-def _family(gltf: Gltf, tracks: Tracks, parents: list[int]) -> tuple[list[int], list[int]]:
-    """The nodes above the root, topmost first, and the joints, parents first."""
-    skins = [skin["joints"] for skin in gltf.items("skins")]
-    members = max(skins, key=len) if skins else sorted(tracks.nodes)
-    if not members or len(members) > MAX_JOINTS:
-        raise FormatError(gltf.path, f"has a skeleton of {len(members):,} joints; accepted: 1 to {MAX_JOINTS:,}.")
-    for node in members:
-        gltf.item("nodes", node)
-    lines = [_lineage(gltf.path, node, parents) for node in dict.fromkeys(members)]
-    tops = [line[0] for line in lines]
-    main = max(dict.fromkeys(tops), key=tops.count)
-    lines = [line for line in lines if line[0] == main]
-    shortest = min(len(line) for line in lines)
-    shared = next((i for i in range(shortest) if len({line[i] for line in lines}) > 1), shortest)
-    depth = {node: level for line in lines for level, node in enumerate(line)}
-    joints = sorted({node for line in lines for node in line[shared - 1 :]})
-    if len(joints) > MAX_JOINTS:
-        raise FormatError(gltf.path, f"has {len(joints):,} joints; accepted: at most {MAX_JOINTS:,}.")
-    if any(parents[j] > j for j in joints if j != lines[0][shared - 1]):
-        joints.sort(key=lambda node: depth[node])
-    return lines[0][: shared - 1], joints
-
-
-# ---- poses ------------------------------------------------------------------------------------------------
 
 
 def _resting(gltf: Gltf, node: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -208,8 +149,8 @@ def _one_scale(path: Path, node: int, scales: np.ndarray) -> float:
 
 def _motion(gltf: Gltf, tracks: Tracks, stretch: str) -> Motion:
     """The animation as a Motion."""
-    parents = _parents(gltf)
-    carriers, joints = _family(gltf, tracks, parents)
+    parents = node_parents(gltf)
+    carriers, joints = joint_nodes(gltf, sorted(tracks.nodes), parents)
     nodes = carriers + joints
     index = {node: i for i, node in enumerate(nodes)}
     times, fps = tracks.frames(nodes)
@@ -218,7 +159,7 @@ def _motion(gltf: Gltf, tracks: Tracks, stretch: str) -> Motion:
     places, turns, scales = moving.world()
     rest_turns = rest.world()[1]
     kept = _below_carriers(moving, len(carriers))
-    names = _names(gltf, [nodes[j] for j in kept])
+    names = node_names(gltf, [nodes[j] for j in kept])
     order = {j: i for i, j in enumerate(kept)}
     count = len(times)
     # turned from the rest pose: G R^-1 in the world, then relative to the parent's
@@ -282,19 +223,6 @@ def _averaged(path: Path, skeleton: Skeleton, swings: dict[str, float], stretch:
     if off:
         log.warning("%s: %d joints move along their bones; their mean place is used", path, len(off))
     return off
-
-
-def _names(gltf: Gltf, nodes: list[int]) -> tuple[str, ...]:
-    """Names of nodes, no two alike; a node without one is called by its number."""
-    names: dict[str, None] = {}
-    for node in nodes:
-        stated = gltf.item("nodes", node).get("name")
-        bare = stated.strip()[:200] if isinstance(stated, str) and stated.strip() else f"node_{node}"
-        name, count = bare, 2
-        while name in names:
-            name, count = f"{bare}_{count}", count + 1
-        names[name] = None
-    return tuple(names)
 
 
 FORMAT = Format(

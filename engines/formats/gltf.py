@@ -135,6 +135,18 @@ class Gltf:
             raise FormatError(self.path, f"refers to number {index!r:.40} of {len(found)} {name}.")
         return found[index]
 
+    def stored(self, view: object) -> bytes:
+        """The bytes of a buffer view: a picture, say.
+
+        Raises:
+            FormatError: there is no such view in this file.
+        """
+        held = self._view(view)
+        start, length = _natural(held, "byteOffset"), _natural(held, "byteLength")
+        if start + length > len(self._binary):
+            raise FormatError(self.path, f"has {length:,} bytes of something that reach beyond the file's data.")
+        return self._binary[start : start + length]
+
     def array(self, index: object) -> np.ndarray:
         """The values of an accessor, (N,) or (N, width) float64; integers that stand for fractions are these.
 
@@ -148,13 +160,17 @@ class Gltf:
         dtype = np.dtype(_KINDS[component]).newbyteorder("<")
         if "sparse" in accessor or "bufferView" not in accessor:
             raise FormatError(self.path, "has sparse or compressed arrays; accepted: plain ones. Export without them.")
-        view = self.item("bufferViews", accessor["bufferView"])
-        if view.get("buffer") != 0 or "uri" in self.item("buffers", 0) or "extensions" in view:
-            raise FormatError(self.path, "keeps its arrays outside the file or compressed; accepted: one plain .glb.")
-        values = self._values(accessor, view, dtype, width)
+        values = self._values(accessor, self._view(accessor["bufferView"]), dtype, width)
         if accessor.get("normalized") and dtype.kind in "iu":
             values = np.maximum(values / float(np.iinfo(dtype).max), -1.0)
         return values[:, 0] if width == 1 else values
+
+    def _view(self, index: object) -> dict[str, Any]:
+        """A view of the file's own buffer."""
+        view = self.item("bufferViews", index)
+        if view.get("buffer") != 0 or "uri" in self.item("buffers", 0) or "extensions" in view:
+            raise FormatError(self.path, "keeps its data outside the file or compressed; accepted: one plain .glb.")
+        return view
 
     def _values(self, accessor: dict, view: dict, dtype: np.dtype, width: int) -> np.ndarray:
         """(N, width) float64, once it is known that all of it lies in the buffer."""
