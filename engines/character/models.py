@@ -108,8 +108,7 @@ class Body:
 class _Network:
     """A .tflite file, ready to run; one thread at a time."""
 
-    def __init__(self, path: Path) -> None:
-        interpreter = _litert()
+    def __init__(self, path: Path, interpreter: type) -> None:
         try:
             self.interpreter = interpreter(model_path=str(path), num_threads=_THREADS)
             self.interpreter.allocate_tensors()
@@ -228,26 +227,33 @@ def _anchors() -> Float[np.ndarray, "2254 2"]:
     return np.concatenate(grids)
 
 
+def installed() -> bool:
+    """Can pictures be looked at here?"""
+    return importlib.util.find_spec("ai_edge_litert") is not None and all(map(_file, (DETECTOR, LANDMARKER)))
+
+
+def _file(name: str) -> Path | None:
+    """Where a network lies in the mediapipe wheel, which is looked up without importing it."""
+    found = importlib.util.find_spec("mediapipe")
+    path = Path(found.origin).parent / "modules" / name if found and found.origin else None
+    return path if path and path.is_file() else None
+
+
 @cache
 def _network(name: str) -> _Network:
     """A network of the mediapipe wheel.
 
     Raises:
-        MissingDependencyError: it is not installed.
+        MissingNetworksError: it is not installed.
     """
-    found = importlib.util.find_spec("mediapipe")  # looks it up without importing it
-    path = Path(found.origin).parent / "modules" / name if found and found.origin else None
-    if path is None or not path.is_file():
+    path = _file(name)
+    if path is None:
         raise MissingNetworksError
-    return _Network(path)
-
-
-def _litert():
     try:
         from ai_edge_litert.interpreter import Interpreter
     except ImportError as problem:
         raise MissingNetworksError from problem
-    return Interpreter
+    return _Network(path, Interpreter)
 
 
 class MissingNetworksError(MissingDependencyError):
@@ -255,7 +261,7 @@ class MissingNetworksError(MissingDependencyError):
 
     def __init__(self) -> None:
         super().__init__("ai-edge-litert", "character", "looking at pictures")
-        self.args = (
-            f"{self}, and the networks in mediapipe's wheel: make character (or "
-            "pip install --no-deps mediapipe==0.10.21; it is only read, so what it asks for is not needed).",
+        self.msg += (
+            ", and the networks in mediapipe's wheel: make character (or pip install --no-deps mediapipe==0.10.21; "
+            "it is only read, so what it asks for is not needed)."
         )
