@@ -23,6 +23,8 @@ settings.load_profile("untimed")  # a busy machine is no fault
 
 ROOT = Path(__file__).resolve().parent.parent
 
+os.environ["MOTIONLOOM_CHARACTERS"] = str(ROOT / "tests" / "no characters")  # whatever this machine's person has kept
+
 CHROMIUM_FLAGS = [
     "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
     "--disable-background-networking", "--disable-component-update", "--no-first-run", "--disable-sync",

@@ -77,7 +77,11 @@ def start(
     """Start a studio that keeps its library and its files in a folder. Returns its address once it answers."""
     log = folder / "server.log"
     command = [sys.executable, "-m", module, "studio", "--port", str(port), "--no-browser"]
-    places = {"TMPDIR": str(folder), "MOTIONLOOM_LIBRARY": str(folder / "library.db")}
+    places = {
+        "TMPDIR": str(folder),
+        "MOTIONLOOM_LIBRARY": str(folder / "library.db"),
+        "MOTIONLOOM_CHARACTERS": str(folder / "characters"),
+    }
     with log.open("a") as out:
         server = subprocess.Popen(
             command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, env=os.environ | places | (more or {})

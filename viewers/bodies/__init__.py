@@ -1,7 +1,8 @@
 """Bodies: skins for skeletons. `get("anny")` is the default figure, `get("stick")` works for any skeleton.
 
 Others: "mannequin" (the package mannequin-x), and a person's own SMPL, SMPL-H and SMPL-X model files, by their path or
-by the environment (`viewers.bodies.smpl`). Shapes: `get("anny").shaped(weight=0.8, gender=1.0)`.
+by the environment (`viewers.bodies.smpl`); characters of one's own (`viewers.bodies.character`).
+Shapes: `get("anny").shaped(weight=0.8, gender=1.0)`.
 """
 
 from __future__ import annotations
@@ -10,13 +11,14 @@ import os
 from collections.abc import Mapping
 from functools import lru_cache
 from importlib.util import find_spec
-from pathlib import PurePath
+from pathlib import Path, PurePath
 
 from engines.errors import MotionloomError, UnknownLabelError
 from engines.geometry.skins import skinning_matrices
 from engines.motion import Motion
 from engines.skeletons import SMPL22
 from engines.skeletons.skeleton import Skeleton
+from viewers.bodies import character
 from viewers.bodies.body import Body, Slider
 
 _SMPL = {"smpl": "MOTIONLOOM_SMPL", "smplh": "MOTIONLOOM_SMPLH", "smplx": "MOTIONLOOM_SMPLX"}
@@ -29,15 +31,15 @@ def available() -> tuple[str, ...]:
     """Names of the bodies that `get` can make here and now, the default first."""
     there = {name: bool(os.environ.get(variable)) for name, variable in _SMPL.items()}
     there["mannequin"] = find_spec("mannequin") is not None
-    return tuple(name for name in _NAMES if there.get(name, True))
+    return (*(name for name in _NAMES if there.get(name, True)), *character.saved())
 
 
 def get(name: str = DEFAULT, skeleton: Skeleton | None = None) -> Body:
     """A body by name, stretched to `skeleton`'s bone lengths when one is given.
 
     Args:
-        name: "anny", "stick", "mannequin"; "smpl", "smplh", "smplx" (from the environment); or the path of a SMPL
-            model file (.npz).
+        name: "anny", "stick", "mannequin"; "smpl", "smplh", "smplx" (from the environment); "character:NAME"; or the
+            path of a SMPL model file (.npz) or of a character.
         skeleton: default: the body's own. "stick" takes any skeleton; the others need smpl22's joints, with any bone
             lengths.
 
@@ -47,6 +49,9 @@ def get(name: str = DEFAULT, skeleton: Skeleton | None = None) -> Body:
         MissingDependencyError: it comes with a package that is not installed.
         FormatError: there is no model file, or none that can be read.
     """
+    if name.startswith(character.PREFIX) or (PurePath(name).suffix.lower() in _FILES and character.is_one(Path(name))):
+        body = character.get(name)
+        return body if skeleton is None else body.fitted(skeleton)
     if name in _SMPL or PurePath(name).suffix.lower() in _FILES:  # a file may be another tomorrow
         from viewers.bodies import smpl
 
@@ -91,7 +96,8 @@ def body_for(motion: Motion, name: str | Body = DEFAULT) -> tuple[Body, Motion]:
 
     A motion on the body's own joints is played as it is, the body stretched to its bone lengths; a body with bones of
     its own (SMPL's, the mannequin, a shaped one) keeps them, and the motion's way is scaled by its legs. A motion on
-    other joints is retargeted; where that is impossible the stick figure stands in.
+    other joints is retargeted, and so is any to a character with joints of its own; where that is impossible the stick
+    figure stands in.
 
     Raises:
         UnknownLabelError: no body of that name.
