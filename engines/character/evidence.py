@@ -23,8 +23,11 @@ from engines.character.view import View
 
 LANDMARK_ERROR = 0.025
 """Metres a landmark usually lies off, sideways and up."""
-PLACE_ERROR = 0.08
-"""Metres its place in the round does, depth above all."""
+DEPTH_ERROR = 0.2
+"""Metres it does in depth."""
+TILT, TILT_ERROR = 0.15, 0.1
+"""Radians that all places together lean forward (as BlazePose has people lean who stand straight), and by how much
+more or less they usually do, since cameras look down or up."""
 SURFACE_ERROR = 0.006
 """Metres the outline of a mask, or the surface of a mesh, does."""
 CLOTHES = 0.025
@@ -45,6 +48,9 @@ REACH = 0.2
 
 class Evidence(Protocol):
     """What a search listens to."""
+
+    leaves: list[Tensor]
+    """What of the evidence itself is searched too."""
 
     def match(self, vertices: Float[np.ndarray, "N 3"]) -> Integer[np.ndarray, " M"]:
         """Find out anew which points of the body belong to which of the evidence; the body is as seen now.
@@ -88,8 +94,10 @@ class Seen:
         edge = contour(self.mask).thinned(OUTLINE_POINTS)
         self._edge = self._small.unproject(edge.points)[:, :2], edge.normals * (1, -1)
         self._points = torch.from_numpy(self.view.unproject(sighting.points)[:, :2])
-        self._places = torch.from_numpy(sighting.places * size)
+        self._depths = torch.from_numpy(sighting.places[:, 2] * size)
         self._weights = torch.from_numpy(trust() * sighting.seen)
+        self._tilt = torch.tensor(TILT, dtype=torch.float64, requires_grad=True)
+        self.leaves = [self._tilt]
         self._pairs: tuple[Tensor, ...] | None = None
 
     def match(self, vertices: Float[np.ndarray, "N 3"]) -> Integer[np.ndarray, " M"]:
@@ -117,12 +125,14 @@ class Seen:
         return geman_mcclure(errors.square(), torch.where(outward > 0, ROBUST, ROBUST / 2)).mean()
 
     def joints(self, marks: Float[Tensor, "33 3"], wide: float) -> Float[Tensor, ""]:
-        """Landmarks against the picture, and against their places about the hips' middle."""
+        """Landmarks against the picture, and their depths before or behind the hips' middle."""
         flat = ((marks[:, :2] - self._points) / LANDMARK_ERROR).square().sum(1)
         hips = [landmarks.index("left_hip"), landmarks.index("right_hip")]
-        deep = ((marks - marks[hips].mean(0) - self._places) / PLACE_ERROR).square().sum(1)
+        about = marks - marks[hips].mean(0)
+        leaning = self._tilt.sin() * about[:, 1] + self._tilt.cos() * about[:, 2]
+        deep = ((leaning - self._depths) / DEPTH_ERROR).square()
         penalties = geman_mcclure(flat, wide) + geman_mcclure(deep, wide)
-        return (self._weights * penalties).sum() / self._weights.sum()
+        return (self._weights * penalties).sum() / self._weights.sum() + ((self._tilt - TILT) / TILT_ERROR).square()
 
 
 class Scanned:
@@ -136,6 +146,7 @@ class Scanned:
     def __init__(self, surface: Surface, marks: Float[np.ndarray, "33 3"] | None) -> None:
         order = np.arange(len(surface.vertices))[:: max(1, len(surface.vertices) // MESH_POINTS)]
         self._places = surface.vertices[order]
+        self.leaves = []
         self._marks = None if marks is None else torch.from_numpy(np.asarray(marks, np.float64))
         self._weights = torch.from_numpy(trust())
         self._pairs: tuple[Tensor, Tensor] | None = None

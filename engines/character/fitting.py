@@ -41,10 +41,14 @@ ROUNDS = ((40, 5 * ROBUST), (30, ROBUST), *[(10, ROBUST)] * 5)
 """Steps of L-BFGS and how far landmarks pull, in usual errors; from the third on the surface is matched and counts."""
 HEIGHT_ERROR = 0.005
 """Metres a height that was told may be off."""
+POSE_ENERGY = 8.0
+"""What the prior says of a pose counts as one when it is so much: a quarter of what usual poses have."""
 SLIDER_SPREAD = 0.25
 """How far sliders lie from their usual values, usually, in half their range."""
 FOOT_ERROR = 0.02
 """Metres that heels stand higher or lower than toes, usually."""
+BALANCE_ERROR = 0.05
+"""Metres that the trunk's middle is before or behind the feet's, usually: who stands does not fall."""
 HEIGHTS = (0.5, 2.6)
 """Metres of people accepted."""
 USUAL_HEIGHT = 1.7
@@ -202,6 +206,8 @@ class _Search:
         chosen = np.unique(np.concatenate([self.marks.vertices, coarse.ravel()]))
         self.puppet = Puppet(template, chosen)
         self.faces = np.searchsorted(chosen, coarse)
+        self._soles = [_pair(end) for end in ("heel", "toe")]
+        self._trunk = [*_pair("shoulder"), *_pair("hip")]
         rest = self.puppet.vertices[:, 1]
         ends = [int(rest.argmax()), int(rest.argmin())]
         self._fixed = np.concatenate([np.searchsorted(chosen, self.marks.vertices), ends])
@@ -210,7 +216,8 @@ class _Search:
         with torch.no_grad():
             self.rest_marks = self._seen(self._wanted([]), still)[1].numpy()
             """(33, 3) landmarks of the usual body at rest."""
-        self._soles = [tuple(landmarks.index(f"{side}_{end}") for end in ("heel", "toe")) for side in ("left", "right")]
+        heel, toe = (self.rest_marks[rows] for rows in self._soles)
+        self._heel_height = float((heel - toe)[:, 1].mean())
 
     def start(self, turn: Float[np.ndarray, " 3"], arms: float | None = None) -> _State:
         """The usual shape and pose, turned by a rotation vector; or standing, `arms` degrees below the horizontal."""
@@ -248,7 +255,8 @@ class _Search:
         for number, (steps, wide) in enumerate(rounds):
             if number >= matched_from:
                 puppet = self._wanted(evidence.match(self._all(state)))
-            optimiser = torch.optim.LBFGS(state.leaves, max_iter=steps, history_size=20, line_search_fn="strong_wolfe")
+            leaves = [*state.leaves, *evidence.leaves]
+            optimiser = torch.optim.LBFGS(leaves, max_iter=steps, history_size=20, line_search_fn="strong_wolfe")
 
             def closure(
                 puppet: Puppet = puppet, wide: float = wide, optimiser: torch.optim.LBFGS = optimiser
@@ -265,11 +273,14 @@ class _Search:
 
     def _terms(self, evidence: Evidence, puppet: Puppet, state: _State, wide: float) -> dict[str, Tensor]:
         seen, placed, height = self._seen(puppet, state)
-        upright = placed[:, 1]
-        feet = torch.stack([upright[heel] - upright[toe] for heel, toe in self._soles]) / FOOT_ERROR
+        heel, toe = (placed[rows] for rows in self._soles)
+        raised = (heel[:, 1] - toe[:, 1] - self._heel_height) / FOOT_ERROR
+        stance = (0.7 * heel + 0.3 * toe).mean(0)
+        falling = (placed[self._trunk].mean(0) - stance)[2] / BALANCE_ERROR
         beyond = (state.shape.abs() - 1).clamp(min=0)
-        reg = self.prior.energy(state.pose) / self.prior.means.shape[1] + (state.shape / SLIDER_SPREAD).square().mean()
-        reg = reg + 100 * beyond.square().sum() + geman_mcclure(feet.square(), ROBUST / 2).mean()
+        reg = self.prior.energy(state.pose) / POSE_ENERGY + (state.shape / SLIDER_SPREAD).square().mean()
+        reg = reg + 100 * beyond.square().sum() + geman_mcclure(raised.square(), ROBUST / 2).mean()
+        reg = reg + geman_mcclure(falling.square(), ROBUST / 2)
         if self.height is not None:
             reg = reg + ((height - self.height) / HEIGHT_ERROR).square()
         return {"surface": evidence.surface(seen), "joints": evidence.joints(placed, wide), "reg": reg}
@@ -317,10 +328,14 @@ def _placed(search: _Search, state: _State, view: View, report: dict[str, float]
     return Fit(shaped, shape, pose, root, view, report)
 
 
+def _pair(name: str) -> list[int]:
+    """Left and right landmark of a name."""
+    return [landmarks.index(f"{side}_{name}") for side in ("left", "right")]
+
+
 def _torso(places: np.ndarray) -> np.ndarray:
     """(4, 3) shoulders and hips about their middle."""
-    names = ("left_shoulder", "right_shoulder", "left_hip", "right_hip")
-    points = places[[landmarks.index(name) for name in names]]
+    points = places[[*_pair("shoulder"), *_pair("hip")]]
     return points - points.mean(0)
 
 

@@ -17,17 +17,29 @@ from torch import Tensor
 from engines.character import landmarks
 from engines.character.template import Template, strongest_joints
 
-SHIFTS: dict[str, tuple[float, float, float]] = {}
-"""Landmark of the left side -> metres from the joint, in the joint's own axes (x out, y up, z forward at rest)."""
-TRUST = {"nose": 0.5, "eye": 0.2, "ear": 0.4, "mouth": 0.2, "pinky": 0.3, "index": 0.3, "thumb": 0.2}
+SHIFTS: dict[str, tuple[float, float]] = {
+    "left_shoulder": (-0.008, 0.011),
+    "left_elbow": (-0.013, 0.005),
+    "left_wrist": (-0.006, 0.002),
+    "left_hip": (-0.015, -0.009),
+    "left_knee": (-0.006, -0.008),
+    "left_ankle": (0.007, 0.028),
+}
+"""Landmark of the left side -> metres outward and up of the joint, in the joint's axes; of seven rendered bodies."""
+TRUST = {"nose": 0.5, "eye": 0.2, "ear": 0.4, "mouth": 0.2, "pinky": 0.3, "index": 0.3, "thumb": 0.1, "heel": 0.6}
 """How much a landmark counts beside the large joints: ten lie on the face alone."""
 FACE = {
-    "eye_inner": (0.09, 0.24),
-    "eye_middle": (0.18, 0.24),
-    "eye_outer": (0.28, 0.24),
-    "mouth": (0.15, -0.19),
+    "eye_inner": (0.10, 0.34, 0.0),
+    "eye_middle": (0.20, 0.34, 0.0),
+    "eye_outer": (0.28, 0.34, -0.1),
+    "mouth": (0.17, -0.06, 0.0),
+    "ear": (0.36, 0.22, -0.8),
 }
-"""Left of and above the tip of the nose, in its height below the crown."""
+"""Left, above and before the tip of the nose, in its height below the crown."""
+NOSE = 0.15
+"""Above the tip of the nose, likewise, where its landmark lies."""
+FOOT = {"heel": (-0.01, 0.036), "toe": (0.015, -0.013)}
+"""Outward of the ankle and above the rearmost or foremost point, metres."""
 HAND = {"pinky": (0.40, -0.22), "index": (0.47, 0.15), "thumb": (0.42, 0.36)}
 """Out and forward of the wrist, in the length of the hand."""
 
@@ -69,8 +81,8 @@ def marks(template: Template) -> Marks:
     for name, joint in landmarks.JOINTS.items():
         if name.endswith("_toe"):
             continue  # of the toe's tip; the joint is where the toes bend
-        x, y, z = SHIFTS.get(name.replace("right_", "left_"), (0.0, 0.0, 0.0))
-        bones[landmarks.index(name)] = skeleton.index(joint), (x if name.startswith("left") else -x, y, z)
+        out, up = SHIFTS[name.replace("right_", "left_")]
+        bones[landmarks.index(name)] = skeleton.index(joint), (out if name.startswith("left") else -out, up, 0.0)
     skin = {landmarks.index(name): vertex for name, vertex in {**_head(template), **_ends(template)}.items()}
     return Marks(bones, skin)
 
@@ -81,14 +93,13 @@ def _head(template: Template) -> dict[str, int]:
     places = template.vertices[head].astype(np.float64)
     tip = places[places[:, 2].argmax()] * (0, 1, 1)
     unit = places[:, 1].max() - tip[1]
-    front = places[:, 2] > tip[2] - 0.6 * unit
-    level = np.abs(places[:, 1] - tip[1]) < 0.3 * unit
-    found = {"nose": int(head[np.linalg.norm(places - tip, axis=1).argmin()])}
+
+    def nearest(x: float, y: float, z: float) -> int:
+        return int(head[np.linalg.norm(places - tip - np.array([x, y, z]) * unit, axis=1).argmin()])
+
+    found = {"nose": nearest(0.0, NOSE, 0.0)}
     for side, sign in (("left", 1), ("right", -1)):
-        for name, (x, y) in FACE.items():
-            away = np.linalg.norm(places[:, :2] - tip[:2] - np.array([sign * x, y]) * unit, axis=1)
-            found[f"{side}_{name}"] = int(head[np.where(front, away, np.inf).argmin()])
-        found[f"{side}_ear"] = int(head[np.where(level, sign * places[:, 0], -np.inf).argmax()])
+        found.update({f"{side}_{name}": nearest(sign * x, y, z) for name, (x, y, z) in FACE.items()})
     return found
 
 
@@ -106,7 +117,8 @@ def _ends(template: Template) -> dict[str, int]:
             found[f"{side}_{name}"] = int(hand[away.argmin()])
         shoe = np.flatnonzero((part == ankle) | (part == foot))
         places = template.vertices[shoe]
-        low = places[:, 1] < skeleton.rest_positions[foot][1]
-        found[f"{side}_heel"] = int(shoe[np.where(low, places[:, 2], np.inf).argmin()])
-        found[f"{side}_toe"] = int(shoe[places[:, 2].argmax()])
+        for name, end in (("heel", places[:, 2].argmin()), ("toe", places[:, 2].argmax())):
+            out, up = FOOT[name]
+            target = np.array([skeleton.rest_positions[ankle][0] + sign * out, places[end, 1] + up, places[end, 2]])
+            found[f"{side}_{name}"] = int(shoe[np.linalg.norm(places - target, axis=1).argmin()])
     return found
