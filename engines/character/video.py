@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+from scipy.ndimage import gaussian_filter1d, grey_opening
 
 from engines.character import landmarks, models
 from engines.character.sighting import projected_scale
@@ -41,16 +41,33 @@ _FOCAL = 1.0
 """Focal length, in widths of the picture's longer side: a telephone held upright."""
 _EARS = 0.4
 """Of an upright head the ears lie before the neck by this share of the way from ears to nose."""
-_SMOOTH = 0.05
+_SMOOTH = 0.06
 """Deviation of the Gaussian over landmarks, seconds."""
 _DRIFT = 0.7
 """Steps shorter than this are the feet's, slower travel is the picture's; seconds."""
-_FLOOR = 0.5
-"""The lowest a foot goes within so many seconds before and after is the floor: longer than a jump."""
+_JUMP = 0.9
+"""A body higher than before and after is in the air, if for less than so many seconds."""
 _STANDING = 0.03
 """Metres: of two points of the feet the one higher by this counts a third as much."""
-_AIR = 0.08
+_AIR = 0.04
 """Metres above the floor from which a body flies and no foot says where to."""
+_LIMBS = tuple(
+    (f"{side}_{near}", f"{side}_{far}", tuple(f"{side}_{end}" for end in ends))
+    for side in ("left", "right")
+    for near, far, ends in (
+        ("hip", "knee", ("ankle", "heel", "toe")),
+        ("knee", "ankle", ("heel", "toe")),
+        ("shoulder", "elbow", ("wrist", "pinky", "index", "thumb")),
+        ("elbow", "wrist", ("pinky", "index", "thumb")),
+    )
+)
+"""Near and far end of a limb, and what goes along with the far one."""
+_DEPTH_ERROR = 0.05
+"""Metres by which the network's depth across a limb is usually off."""
+_LEAN = 0.45
+"""Radians that somebody who stands may seem to lean toward the camera or away."""
+_LENGTH_ERROR = 0.1
+"""Share of its length by which a limb seems longer or shorter than it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +103,7 @@ def read(path: str | Path, progress: Progress | None = None, cancel: Cancel | No
         Cancelled: `cancel` said so.
     """
     path = Path(path)
-    track = _filled(_followed(path, progress, cancel))
+    track = _levelled(_deepened(_filled(_followed(path, progress, cancel))))
     motion = retarget.from_points(_joints(track), track.fps)
     motion = _head_turned(motion, track)
     motion = motion.replaced(translation=_path(motion, track))
@@ -173,6 +190,49 @@ def _filled(track: _Track) -> _Track:
     return _Track(smooth(track.points), smooth(track.places), weight, track.found, track.focal, track.fps)
 
 
+def _deepened(track: _Track) -> _Track:
+    """With limbs as deep as they are short in the picture (Taylor 2000), toward or away as the network says.
+
+    From the front the network takes bent knees for nearly straight ones, although it sees well where they are.
+    """
+    scale = _scale(track)
+    flat = track.points / scale[:, None, None] * (1, -1)
+    places = track.places.copy()
+    for near, far, ends in _LIMBS:
+        one, other = landmarks.index(near), landmarks.index(far)
+        across = flat[:, other] - flat[:, one]
+        guess = track.places[:, other, 2] - track.places[:, one, 2]
+        shown = np.linalg.norm(across, axis=1)
+        length = max(np.percentile(shown, 95), np.median(np.hypot(shown, guess)))
+        depth = np.linspace(-length, length, 201)  # (D,)
+        misfit = ((depth - guess[:, None]) / _DEPTH_ERROR) ** 2
+        misfit += ((np.hypot(shown[:, None], depth) / length - 1) / _LENGTH_ERROR) ** 2
+        limb = np.concatenate([across, depth[misfit.argmin(axis=1)][:, None]], axis=1)
+        shift = places[:, one] + limb - places[:, other]
+        places[:, [other, *map(landmarks.index, ends)]] += shift[:, None]
+    return replace(track, places=places)
+
+
+def _levelled(track: _Track) -> _Track:
+    """Turned about the camera's right so that on the whole the trunk is above the feet, as a body that stands has it.
+
+    Cameras look down, and the network lets people lean toward the camera: ten degrees are usual. Who sits or lies all
+    the time is left as seen.
+    """
+    above, below = (
+        np.median(
+            [track.places[:, landmarks.index(f"{side}_{name}")] for side in ("left", "right") for name in names], 0
+        )
+        for names in (("hip", "shoulder"), ("ankle", "toe"))
+    )
+    _, up, ahead = np.median(above - below, axis=0)
+    lean = np.arctan2(ahead, up)
+    if abs(lean) > _LEAN:
+        return track
+    upright = rotations.rotvec_to_matrix(np.array([-lean, 0.0, 0.0]))
+    return replace(track, places=track.places @ upright.T)
+
+
 def _joints(track: _Track) -> dict[str, Float[np.ndarray, "T 3"]]:
     """Joints of the house skeleton in the round; neck and pelvis lie where its own do above shoulders and hips."""
     at = dict(zip(landmarks.NAMES, track.places.swapaxes(0, 1), strict=True))
@@ -207,27 +267,31 @@ def _path(motion: Motion, track: _Track) -> Float[np.ndarray, "T 3"]:
     feet = body[:, [SMPL22.index(name) for pair in SMPL22.feet for name in pair]]
     shown = _in_picture(track)
     low = feet[..., 1].min(axis=1) + shown[:, 1]
-    window = 2 * round(_FLOOR * fps) + 1
-    floor = gaussian_filter1d(minimum_filter1d(low, window, mode="nearest"), window / 6, mode="nearest")
-    height = shown[:, 1] - floor
-    flying = low - floor > _AIR
+    floor = grey_opening(low, max(3, round(_JUMP * fps)), mode="nearest")
+    flight = np.clip(low - floor - _AIR, 0, None)
     share = np.exp(-(feet[..., 1] - feet[..., 1].min(axis=1, keepdims=True)) / _STANDING)
     share /= share.sum(axis=1, keepdims=True)
     stepped = -(np.diff(feet, axis=0) * share[1:, :, None]).sum(axis=1)[:, [0, 2]]
-    stepped = np.where(flying[1:, None], np.diff(shown[:, [0, 2]], axis=0), stepped)
+    stepped = np.where(flight[1:, None] > 0, np.diff(shown[:, [0, 2]], axis=0), stepped)
     travelled = np.concatenate([np.zeros((1, 2)), np.cumsum(stepped, axis=0)])
     drift = gaussian_filter1d(shown[:, [0, 2]] - travelled, _DRIFT * fps, axis=0, mode="nearest")
     x, z = (travelled + drift).T
-    clearance = canonical.toe_clearance(SMPL22)
-    return np.stack([x, height + clearance, z], axis=-1) - SMPL22.offsets[0]
+    height = flight + canonical.toe_clearance(SMPL22) - feet[..., 1].min(axis=1)
+    return np.stack([x, height, z], axis=-1) - SMPL22.offsets[0]
 
 
 def _in_picture(track: _Track) -> Float[np.ndarray, "T 3"]:
     """Where the hips' middle is before the camera, house metres: nearer is larger, and greater in z."""
-    frames = zip(track.points, track.places, track.seen, strict=True)
-    scale = gaussian_filter1d([projected_scale(*frame) for frame in frames], _DRIFT * track.fps, mode="nearest")
     legs = [[landmarks.index(f"{side}_{name}") for name in ("hip", "knee", "ankle")] for side in ("left", "right")]
     theirs = np.median(np.linalg.norm(np.diff(track.places[:, legs], axis=2), axis=-1), axis=0).sum() / 2
     ours = sum(SMPL22.bone_lengths[SMPL22.index(name)] for name in ("left_knee", "left_ankle"))
     right, down = track.points[:, [leg[0] for leg in legs]].mean(axis=1).T
-    return np.stack([right, -down, np.full(len(right), -track.focal)], axis=1) * (ours / theirs / scale[:, None])
+    return np.stack([right, -down, np.full(len(right), -track.focal)], axis=1) * (
+        ours / theirs / _scale(track)[:, None]
+    )
+
+
+def _scale(track: _Track) -> Float[np.ndarray, " T"]:
+    """Pixels a metre of the network's, steadied over time."""
+    frames = zip(track.points, track.places, track.seen, strict=True)
+    return gaussian_filter1d([projected_scale(*frame) for frame in frames], _DRIFT * track.fps, mode="nearest")
