@@ -28,12 +28,15 @@ ROUNDS = 3
 """Walks to the mask's outline, each from where the one before ended."""
 OUTWARD, INWARD = 0.22, 0.03
 """Metres a point of the outline may walk in a round; what clothes and hair do, and what a body can give way."""
+THINNER = 0.02
+"""Metres a body's front and back may go inward."""
 STEP = 0.5
 """Pixels of a walk's step."""
-SMOOTH, FLAT, STILL = 4.0, 0.02, 1e-3
+SMOOTH, FLAT, STILL = 4.0, 0.01, 1e-3
 """Weights beside that of one pixel of the outline: of bending of the fields, of their slope, of moving at all."""
-STIFF = {"wrist": 30.0, "ankle": 3.0, "foot": 10.0, "head": 3.0}
-"""How much more these bend than the rest: a mask shows no fingers, and the face is the template's."""
+STIFF = {"wrist": 300.0, "ankle": 10.0, "foot": 300.0, "head": 5.0}
+"""How much more these resist than the rest: hands and shoes go where they are as a whole, since a mask shows no fingers
+and sees feet from above; the face is the template's."""
 SOFTENED = 12
 """Passes of smoothing that take the template's own hems and collar away."""
 BARE = ("head", "wrist", "ankle", "foot")
@@ -57,14 +60,15 @@ def clothed(fit: Fit, sighting: Sighting) -> Surface:
     body = _softened(_welded(fit), fit)
     mask, view = reduced(sighting.mask.astype(np.float64), fit.view, TALL)
     bending = _bending(body, fit)
-    normals = body.normals
-    moved = np.zeros_like(body.vertices)
+    yielding = _yielding(body, fit) * body.normals[:, 2]
+    moved, outward = np.zeros_like(body.vertices), np.zeros(len(body.vertices))
     for _ in range(ROUNDS):
         edge = rim(body.vertices + moved, body.faces, view, mask.shape[::-1])
         steps, trusted = _walks(edge, mask, view)
-        sideways, outward = _spread(body, edge, steps, trusted, bending)
+        sideways, more = _spread(body, edge, steps, trusted, bending)
         moved[:, :2] += sideways
-        moved[:, 2] += outward * normals[:, 2]
+        outward = np.maximum(outward + more, -THINNER)
+        moved[:, 2] = outward * yielding
     return halved(body.replaced(vertices=body.vertices + moved), LONGEST)
 
 
@@ -120,17 +124,31 @@ def _softened(body: Surface, fit: Fit) -> Surface:
     return body.replaced(vertices=vertices)
 
 
+def _yielding(body: Surface, fit: Fit) -> np.ndarray:
+    """(N,) how far a vertex goes along in depth: hands and shoes not at all, and what is next to them a little."""
+    average, share = _averaging(body), (~_of(body, fit, ("wrist", "foot"))).astype(np.float64)
+    for _ in range(SOFTENED):
+        share = np.minimum(share, average @ share)
+    return share
+
+
 def _of(body: Surface, fit: Fit, names: tuple[str, ...]) -> np.ndarray:
     """(N,) whether a vertex belongs to a joint whose name ends in one of `names`."""
     assert body.parts is not None
     return np.array([joint.endswith(names) for joint in fit.template.skeleton.joints])[body.parts]
 
 
-def _averaging(body: Surface) -> sparse.csr_matrix:
-    """(N, N) the mean of each vertex's neighbours."""
+def _links(body: Surface) -> sparse.csr_matrix:
+    """(N, N) ones between neighbours."""
     ends = body.faces[:, [0, 1, 2, 1, 2, 0]].T.ravel(), body.faces[:, [1, 2, 0, 0, 1, 2]].T.ravel()
     links = sparse.csr_matrix((np.ones(len(ends[0])), ends), shape=(len(body.vertices),) * 2)
     links.data[:] = 1.0
+    return links
+
+
+def _averaging(body: Surface) -> sparse.csr_matrix:
+    """(N, N) the mean of each vertex's neighbours."""
+    links = _links(body)
     return sparse.csr_matrix(sparse.diags(1 / np.asarray(links.sum(1)).ravel()) @ links)
 
 
@@ -139,9 +157,11 @@ def _bending(body: Surface, fit: Fit) -> sparse.csc_matrix:
     stiff = np.ones(len(body.vertices))
     for name, factor in STIFF.items():
         stiff[_of(body, fit, (name,))] = factor
-    flat = sparse.identity(len(stiff)) - _averaging(body)
-    still = sparse.diags(np.full(len(stiff), STILL))
-    return sparse.csc_matrix(SMOOTH * flat.T @ sparse.diags(stiff**2) @ flat + FLAT * (flat + flat.T) / 2 + still)
+    curved = sparse.identity(len(stiff)) - _averaging(body)
+    tied = sparse.diags(np.sqrt(stiff)) @ _links(body) @ sparse.diags(np.sqrt(stiff))
+    sloped = sparse.diags(np.asarray(tied.sum(1)).ravel()) - tied
+    bent = curved.T @ sparse.diags(stiff) @ curved
+    return sparse.csc_matrix(SMOOTH * bent + FLAT * sloped + STILL * sparse.identity(len(stiff)))
 
 
 def _walks(edge: Rim, mask: np.ndarray, view: View) -> tuple[np.ndarray, np.ndarray]:
