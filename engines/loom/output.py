@@ -8,6 +8,7 @@ import numpy as np
 from torch import Tensor
 
 from engines.loom.constraints import Constraints, Known, words
+from engines.loom.footing import on_feet
 from engines.loom.representation import decode
 from engines.motion import Motion
 from engines.skeletons import SMPL22
@@ -17,11 +18,11 @@ _NEAR = {"pin": 0.08, "path": 0.15}
 
 
 def to_motions(features: Tensor, frames: int, fps: float, known: list[Known] | None) -> list[Motion]:
-    """Motions from features (B, T, D), not normalised; in the world, where the start is known."""
+    """Motions from features (B, T, D), not normalised, that go by their feet; in the world, where the start is known."""
     made = []
     for row, held in enumerate(features.numpy()):
         told = None if known is None else known[row]
-        turns, path = decode(held[:frames], None if told is None else told.held[:frames])
+        turns, path = decode(on_feet(held[:frames]), None if told is None else told.held[:frames])
         motion = Motion(SMPL22, turns, path, fps)
         if told is not None:
             x, z = (float(value) for value in told.start.ground)

@@ -42,9 +42,9 @@ KNOWN = Layout((
 TOLD = ("turns", "height", "ground", "facing", "joints")
 """Parts of `KNOWN` that hold values; each has its mask."""
 
-FREE, ALONG, HELD = 1e-3, 0.15, 1e6
+FREE, ALONG, HELD = 1e-4, 0.15, 1e6
 """How much place counts against velocity when both are brought together: where nothing is known it only stops drift
-(over some 30 frames), for places are less steady than velocities and feet would slide; along a path a body sways to
+(over some 100 frames), for places are less steady than velocities and feet would slide; along a path a body sways to
 either side, over some 3 frames; kept frames are kept."""
 
 
