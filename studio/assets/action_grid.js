@@ -3,6 +3,7 @@ export function render(part) {
   const {model} = part
   let shelf = "all"
   let typed = ""
+  let shown = null
   const shelves = h("div", {class: "shelves", role: "radiogroup", "aria-label": `Group of ${model.noun}s`})
   const grid = h("div", {class: "grid", role: "listbox", "aria-label": `${model.noun[0].toUpperCase()}${model.noun.slice(1)}s this engine knows`})
   const empty = h("p", {class: "hint none"}, `No ${model.noun} of that name.`)
@@ -26,6 +27,8 @@ export function render(part) {
     const current = found.some(({name}) => name === model.value) ? model.value : found[0]?.name
     redraw(grid, ...found.map((action) => card(model, action, action.name === current, () => { typed = ""; draw() })))
     empty.hidden = found.length > 0
+    const chosen = model.value !== shown && cards().find((one) => one.dataset.key === model.value)
+    if (chosen) { chosen.scrollIntoView({block: "nearest"}); shown = model.value }
   }
   const heard = model.noun === "action" ? {"motionloom:browse": onBrowse, "motionloom:search": onSearch} : {}
   mount(part, [title, shelves, h("div", {class: "scroll"}, grid, empty)], heard)
