@@ -7,6 +7,7 @@ where and how large the person is in the picture (drift). The camera is taken to
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -121,6 +122,7 @@ def _frames(path: Path) -> Iterator[tuple[np.ndarray, float, int | None]]:
 
     if not path.is_file():
         raise FormatError(path, "is not there.")
+    logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)  # it warns of every video that is shrunk
     shrink = f"scale='if(gt(iw,ih),min({SIDE},iw),-2)':'if(gt(iw,ih),-2,min({SIDE},ih))'"
     reader = imageio_ffmpeg.read_frames(
         str(path), output_params=["-vf", f"{shrink},fps='min({FASTEST:g},source_fps)'", "-an"]

@@ -210,6 +210,16 @@ def test_convert_resamples_and_changes_the_format(run, tmp_path):
     assert engines.read(tmp_path / "house.npz").skeleton == engines.SMPL22
 
 
+def test_convert_reads_videos(run, tmp_path, monkeypatch):
+    from engines.character import video
+
+    told = []
+    monkeypatch.setattr(video, "read", lambda path, progress: told.append(path.name) or sway(frames=40))
+    assert run("convert", "telephone.MOV", "walk.bvh") == (0, "walk.bvh\n", "")
+    assert told == ["telephone.MOV"]
+    assert len(engines.read(tmp_path / "walk.bvh")) == 40
+
+
 def test_info_of_a_file_tells_length_origin_and_quality(run, engine, tmp_path):
     sway("run", frames=40, seed=4).write(tmp_path / "run.npz")
     code, out, _ = run("info", "run.npz")
