@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import engines
 from engines import formats
 from engines.errors import FormatError, MotionloomError, OutOfRangeError
+from engines.geometry.opening import opening
 from studio import downloads, tasks
 from studio.jobs import Cancel, Job, Progress
 from studio.library.library import UNTITLED
@@ -71,6 +72,8 @@ class Exchange:
     def import_file(self, name: str, data: bytes, then: Callable[[Take], None] | None = None) -> None:
         """Read a motion file a person dropped; what is wrong with it is said in `state.import_error`.
 
+        A reference pose that it opens with is no part of the motion and is left out, and said so.
+
         `then` hears of the take it became, which is not picked in that case.
         """
         state = self.session.state
@@ -78,17 +81,21 @@ class Exchange:
 
         takes = self.session.takes
 
-        def read(_progress: Any, _cancel: Any) -> tuple[Any, dict]:
+        def read(_progress: Any, _cancel: Any) -> tuple[Any, dict, int]:
             motion = read_upload(name, data)
-            return takes.store.hold([motion])[0], dict(tasks.measure(motion))
+            before = opening(motion)
+            motion = motion[before:]
+            return takes.store.hold([motion])[0], dict(tasks.measure(motion)), before
 
         def show(job: Job) -> None:
             if job.status == "failed":
                 state.param.update(import_error=job.error, import_status="")
             elif job.status == "done":
-                held, metrics = job.result
+                held, metrics, before = job.result
                 made = takes.add([held], group=uuid.uuid4().hex, source=name, metrics=[metrics])
                 state.import_status = f"Imported {name}: {made[0].frames:,} frames, {duration(made[0].duration)}."
+                if before:
+                    state.import_status += " The reference pose it opens with is left out."
                 self.session.shelve(made, takes, pick=then is None)
                 if then is not None and takes is self.session.takes:
                     then(made[0])

@@ -10,17 +10,11 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from engines.datasets.corpus import ClipInfo, Timed, to_house
 from engines.errors import FormatError
 from engines.formats import bvh
+from engines.geometry.opening import opening
 from engines.motion import Motion, Segment
-
-_OPENING_SECONDS = 0.1
-"""A T-pose at the start of a file is left within this time."""
-_OPENING_SPEED = 12.0
-"""... by a joint faster than this, in m/s, which no motion of the set reaches that early."""
 
 _RULES: tuple[tuple[str, str], ...] = (
     # the first pattern found in CMU's own description decides
@@ -85,7 +79,8 @@ class CMU:
             motion = motion.replaced(fps=float(facts[1]))
         reference = "first" if facts and facts[2] == "True" else "rest"
         # the others' rest pose is upright, and they too open with a T-pose that is no part of the motion
-        moved = _without_opening(motion.retarget(SMPL22, reference=reference))
+        moved = motion.retarget(SMPL22, reference=reference)
+        moved = moved[max(1, opening(moved)) :]
         labels = (Segment(0, len(moved), "action", clip.action),) if clip.action else ()
         return to_house(moved.replaced(labels=labels))
 
@@ -93,14 +88,6 @@ class CMU:
 def _kit_sentences(row: dict) -> tuple[Timed, ...]:
     """What the annotators of KIT Motion-Language wrote of the clip, where they had it."""
     return tuple(Timed("text", " ".join(text.split())) for kit in row.get("kitml", ()) for text in kit["texts"])
-
-
-def _without_opening(motion: Motion) -> Motion:
-    """The motion after its opening T-pose: past the first frame, and past the jump or quick blend out of that pose."""
-    opening = motion[: 1 + round(_OPENING_SECONDS * motion.fps)]
-    speed = np.linalg.norm(np.diff(opening.positions, axis=0), axis=-1).max(axis=1) * motion.fps
-    quick = np.flatnonzero(speed > _OPENING_SPEED)
-    return motion[1 + (int(quick[-1]) if quick.size else 0) :]
 
 
 def _action(description: str) -> str | None:

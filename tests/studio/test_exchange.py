@@ -16,6 +16,7 @@ from engines.errors import Cancelled, FormatError, OutOfRangeError
 from studio import downloads, exchange, tasks
 from studio.exchange import read_upload
 from studio.settings import parse_settings
+from tests.engines.geometry.test_opening import opened
 from tests.studio.fakes import sway
 
 
@@ -40,6 +41,15 @@ def test_a_dropped_file_becomes_a_take(started, settle, tmp_path):
     assert state.shown == [take.id]
     assert take.id in state.thumbnails
     assert started.files.settings_file() == ("", "")
+
+
+def test_a_reference_pose_in_front_is_left_out(started, settle, tmp_path):
+    motion = opened(sway(frames=12), 1)
+    started.files.import_file("cmu.bvh", motion.write(tmp_path / "cmu.bvh").read_bytes())
+    settle(started)
+    assert started.state.take().motion.frames == 12
+    assert "12 frames" in started.state.import_status
+    assert "reference pose" in started.state.import_status
 
 
 def piece(name: str, start: int, size: int, data: bytes) -> dict:
