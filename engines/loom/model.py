@@ -22,8 +22,8 @@ BEND = 2.0
 decided which of many ways to move it will be (when a waving hand is left, and when right). Six such steps are
 recognised as often as twelve even ones."""
 PLAIN = ("velocity", "ground", "facing")
-"""Parts that guidance does not exaggerate: a body pushed away from what it does untold outruns its feet. Walks, told how,
-went at 1.1 to 1.6 times the speed of real ones."""
+"""Parts that guidance does not exaggerate: a body pushed away from what it does untold outruns its feet. Walks that
+were told how went at 1.1 to 2 times the speed of real ones."""
 Adjust = Callable[[Tensor, float], Tensor]
 """(estimate (B, T, D), noise level) -> estimate: what a sampler does to every estimate."""
 

@@ -18,7 +18,7 @@ _NEAR = {"pin": 0.08, "path": 0.15}
 
 
 def to_motions(features: Tensor, frames: int, fps: float, known: list[Known] | None) -> list[Motion]:
-    """Motions from features (B, T, D), not normalised, that go by their feet; in the world, where the start is known."""
+    """Motions, going by their feet, from features (B, T, D), not normalised; in the world, where the start is known."""
     made = []
     for row, held in enumerate(features.numpy()):
         told = None if known is None else known[row]
