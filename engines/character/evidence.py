@@ -38,8 +38,10 @@ OUTLINE_HEIGHT = 320
 """Pixels a person's outline is looked at with."""
 OUTLINE_POINTS = 500
 """Points compared, each way."""
-MESH_POINTS = 2500
+MESH_POINTS = 1500
 """Vertices of a mesh compared."""
+ALONG = 0.1
+"""What a distance along a mesh's surface counts beside one across it: no vertex lies just beside its nearest."""
 TURNED = 0.15
 """Metres that two outlines of opposite directions count as apart."""
 REACH = 0.2
@@ -51,6 +53,8 @@ class Evidence(Protocol):
 
     leaves: list[Tensor]
     """What of the evidence itself is searched too."""
+    metric: bool
+    """Its metres are the body's; else how many it has in one of those is searched too."""
 
     def match(self, vertices: Float[np.ndarray, "N 3"]) -> Integer[np.ndarray, " M"]:
         """Find out anew which points of the body belong to which of the evidence; the body is as seen now.
@@ -97,7 +101,7 @@ class Seen:
         self._depths = torch.from_numpy(sighting.places[:, 2] * size)
         self._weights = torch.from_numpy(trust() * sighting.seen)
         self._tilt = torch.tensor(TILT, dtype=torch.float64, requires_grad=True)
-        self.leaves = [self._tilt]
+        self.leaves, self.metric = [self._tilt], False
         self._pairs: tuple[Tensor, ...] | None = None
 
     def match(self, vertices: Float[np.ndarray, "N 3"]) -> Integer[np.ndarray, " M"]:
@@ -145,25 +149,28 @@ class Scanned:
 
     def __init__(self, surface: Surface, marks: Float[np.ndarray, "33 3"] | None) -> None:
         order = np.arange(len(surface.vertices))[:: max(1, len(surface.vertices) // MESH_POINTS)]
-        self._places = surface.vertices[order]
-        self.leaves = []
+        self._places, self._normals = surface.vertices[order], surface.normals[order]
+        self.leaves, self.metric = [], True
         self._marks = None if marks is None else torch.from_numpy(np.asarray(marks, np.float64))
         self._weights = torch.from_numpy(trust())
-        self._pairs: tuple[Tensor, Tensor] | None = None
+        self._pairs: tuple[Tensor, ...] | None = None
 
     def match(self, vertices: Float[np.ndarray, "N 3"]) -> Integer[np.ndarray, " M"]:
         """Each point of the mesh and its nearest vertex (eq. 3.15), and each vertex and its nearest point."""
         mine, its = _nearest_both_ways(vertices, self._places, np.inf)
         wanted, mine = np.unique(mine, return_inverse=True)
-        self._pairs = torch.from_numpy(mine.astype(np.int64)), torch.from_numpy(self._places[its])
+        arrays = mine.astype(np.int64), self._places[its], self._normals[its]
+        self._pairs = tuple(torch.from_numpy(array) for array in arrays)
         return wanted
 
     def surface(self, vertices: Float[Tensor, "N 3"]) -> Float[Tensor, ""]:
         """Distances of the pairs."""
         if self._pairs is None:
             return vertices.new_zeros(())
-        mine, places = self._pairs
-        return geman_mcclure(((vertices[mine] - places) / SURFACE_ERROR).square().sum(1), 2 * ROBUST).mean()
+        mine, places, normals = self._pairs
+        away = (vertices[mine] - places) / SURFACE_ERROR
+        squared = (away * normals).sum(1).square() + (ALONG * away).square().sum(1)
+        return geman_mcclure(squared, 2 * ROBUST).mean()
 
     def joints(self, marks: Float[Tensor, "33 3"], wide: float) -> Float[Tensor, ""]:
         """Landmarks, where they are known."""

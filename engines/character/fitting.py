@@ -51,8 +51,6 @@ BALANCE_ERROR = 0.05
 """Metres that the trunk's middle is before or behind the feet's, usually: who stands does not fall."""
 HEIGHTS = (0.5, 2.6)
 """Metres of people accepted."""
-USUAL_HEIGHT = 1.7
-"""Metres a mesh without a known unit is brought to."""
 MESH_VIEW = View(400.0, (400.0, 900.0))
 """The front view that a fit to a mesh is given."""
 ARMS = (0.0, 45.0, 75.0)
@@ -127,26 +125,6 @@ def fit(sighting: Sighting, template: Template, prior: PosePrior | None = None, 
     return replace(result, report={**report, "overlap": overlap(shown, sighting.mask)})
 
 
-def stood(surface: Surface, height: float | None = None) -> Surface:
-    """A mesh of unknown unit and place as a person in metres: on the floor, over the origin.
-
-    Args:
-        surface: the mesh, upright and facing +Z.
-        height: it is given, metres; `USUAL_HEIGHT` if left out.
-
-    Raises:
-        OutOfRangeError: a height no person has, or a mesh without any.
-    """
-    height = USUAL_HEIGHT if height is None else height
-    if not HEIGHTS[0] <= height <= HEIGHTS[1]:
-        raise OutOfRangeError("height", height, f"{HEIGHTS[0]:g} to {HEIGHTS[1]:g} metres")
-    low, high = surface.vertices.min(0), surface.vertices.max(0)
-    if high[1] <= low[1]:
-        raise OutOfRangeError("height of the mesh", 0.0, "a mesh that stands upright, Y up")
-    middle = np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2])
-    return replace(surface, vertices=(surface.vertices - middle) * (height / (high[1] - low[1])))
-
-
 def fit_to_surface(
     surface: Surface,
     template: Template,
@@ -157,7 +135,7 @@ def fit_to_surface(
     """Shape and pose of a mesh of another tool, upright in an A- or T-pose and facing +Z.
 
     Args:
-        surface: the mesh, in metres on the floor: see `stood`.
+        surface: the mesh, in metres on the floor: see `meshes.read_mesh`.
         template: the body, in any shape.
         prior: of poses; the shipped one if left out.
         places: (33, 3) landmarks, metres, where they are known; without, three ways to hold the arms are tried.
@@ -172,9 +150,9 @@ def fit_to_surface(
     for degrees in ARMS:
         start = search.start(np.zeros(3), degrees)
         start.shift.data[:] = torch.from_numpy(middle - search.middle(start))
-        tries.append(search.run(evidence, start, [(15, ROBUST)], matched_from=0))
+        tries.append(search.run(evidence, start, [(10, ROBUST)], matched_from=0))
     state, _ = min(tries, key=lambda found: found[1]["loss"])
-    state, report = search.run(evidence, state, [(10, ROBUST)] * 8, matched_from=0)
+    state, report = search.run(evidence, state, [(10, ROBUST)] * 6, matched_from=0)
     return _placed(search, state, MESH_VIEW, report, moved=True)
 
 
@@ -191,9 +169,10 @@ class _State:
     shift: Tensor
     """(3,) where the root is seen, the evidence's metres."""
 
-    @property
-    def leaves(self) -> list[Tensor]:
-        return [self.pose, self.shape, self.scale, self.shift]
+    def copy(self) -> _State:
+        """Another, to be searched from here."""
+        leaves = (self.pose, self.shape, self.scale, self.shift)
+        return _State(*(leaf.detach().clone().requires_grad_(True) for leaf in leaves))
 
 
 class _Search:
@@ -249,13 +228,19 @@ class _Search:
         Returns:
             Where it ended, and what is left of each term.
         """
-        state = _State(*(leaf.detach().clone().requires_grad_(True) for leaf in state.leaves))
+        state = state.copy()
         terms: dict[str, Tensor] = {}
         puppet = self._wanted([])
         for number, (steps, wide) in enumerate(rounds):
             if number >= matched_from:
                 puppet = self._wanted(evidence.match(self._all(state)))
-            leaves = [*state.leaves, *evidence.leaves]
+            leaves = [
+                state.pose,
+                state.shape,
+                state.shift,
+                *evidence.leaves,
+                *([] if evidence.metric else [state.scale]),
+            ]
             optimiser = torch.optim.LBFGS(leaves, max_iter=steps, history_size=20, line_search_fn="strong_wolfe")
 
             def closure(
