@@ -13,6 +13,7 @@ from scipy.sparse import csgraph
 
 from engines.character.depth import rasterised
 from engines.character.mesh import Surface
+from engines.character.parts import LONG, SEGMENTS
 from engines.character.texture import Front, carried_on, interpolated
 from engines.character.view import View
 from engines.skeletons.smpl22 import SMPL22
@@ -30,8 +31,6 @@ FLAT = 0.2
 SMALLEST = 12
 """Charts of fewer faces go to their neighbours where they may."""
 
-_TRUNK = {"pelvis", "spine1", "spine2", "spine3", "neck", "left_collar", "right_collar"}
-_LONG = {"shoulder", "elbow", "wrist", "hip", "knee"}
 _ROUNDS = 4
 
 
@@ -79,23 +78,16 @@ def unwrapped(surface: Surface, size: int = SIZE) -> Surface:
 
 
 def _limbs(surface: Surface) -> Int[np.ndarray, " F"]:
-    """(F,) which limb a face belongs to: its joint, one for the trunk and one for each foot."""
+    """(F,) which segment a face belongs to."""
     if surface.parts is None:
         return np.zeros(len(surface.faces), np.int64)
-    names = SMPL22.joints
-    merged = np.arange(len(names))
-    for joint, name in enumerate(names):
-        if name in _TRUNK:
-            merged[joint] = 0
-        if name.endswith("_foot"):
-            merged[joint] = names.index(name.replace("foot", "ankle"))
-    corners = np.sort(merged[surface.parts[surface.faces]], axis=1)
+    corners = np.sort(SEGMENTS[surface.parts[surface.faces]], axis=1)
     return corners[:, 1]  # of three, the middle one: that of the majority if there is one
 
 
 def _frame(surface: Surface, limb: np.ndarray, number: int) -> Float[np.ndarray, "3 3"]:
     """Rows: across, along and out of the front of a limb."""
-    if surface.parts is None or SMPL22.joints[number].rsplit("_", 1)[-1] not in _LONG:
+    if surface.parts is None or not SMPL22.joints[number].endswith(LONG):
         return np.eye(3)
     points = surface.vertices[np.unique(surface.faces[limb == number])]
     along = np.linalg.svd(points - points.mean(0), full_matrices=False)[2][0]

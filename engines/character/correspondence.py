@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 
 from engines.character.fitting import Fit
 from engines.character.mesh import Surface
+from engines.character.parts import LIMBS
 from engines.character.template import strongest_joints
 
 CANDIDATES = 8
@@ -18,8 +19,6 @@ AGREEING = 0.2
 """Least cosine between the normals of a pair."""
 FARTHEST = 0.12
 """Metres between the two of a pair; what stands off more goes along with its surroundings."""
-
-_LIMBS = {"shoulder": "arm", "elbow": "arm", "wrist": "arm", "hip": "leg", "knee": "leg", "ankle": "leg", "foot": "leg"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +52,10 @@ def matched(surface: Surface, fit: Fit) -> Correspondence:
     used = np.unique(body.faces)
     body_parts = strongest_joints(fit.template)
     own = _parts(surface, body, body_parts, used) if surface.parts is None else surface.parts
-    limbs = _limbs(fit.template.skeleton.joints)
     count = len(surface.vertices)
     found, far = np.zeros((count, CANDIDATES), np.int64), np.full((count, CANDIDATES), np.inf)
-    for limb in np.unique(limbs):
-        mine, theirs = np.flatnonzero(limbs[own] == limb), used[limbs[body_parts[used]] == limb]
+    for limb in np.unique(LIMBS):
+        mine, theirs = np.flatnonzero(LIMBS[own] == limb), used[LIMBS[body_parts[used]] == limb]
         if len(mine) and len(theirs) >= CANDIDATES:
             distance, index = KDTree(body.vertices[theirs]).query(surface.vertices[mine], k=CANDIDATES)
             found[mine], far[mine] = theirs[np.asarray(index)], distance
@@ -73,12 +71,3 @@ def _parts(surface: Surface, body: Surface, parts: np.ndarray, used: np.ndarray)
     found = used[np.asarray(KDTree(body.vertices[used]).query(surface.vertices, k=4 * CANDIDATES)[1])]
     alike = np.einsum("nkc,nc->nk", body.normals[found], surface.normals) > AGREEING
     return parts[found[np.arange(len(found)), alike.argmax(1)]]
-
-
-def _limbs(joints: tuple[str, ...]) -> Int[np.ndarray, " J"]:
-    """(J,) a number for each limb: both arms, both legs, the head, and the trunk with the collars."""
-    names = []
-    for joint in joints:
-        side, _, kind = joint.rpartition("_")
-        names.append("head" if joint == "head" else f"{side} {_LIMBS[kind]}" if kind in _LIMBS else "trunk")
-    return np.unique(names, return_inverse=True)[1].ravel()

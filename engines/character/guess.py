@@ -1,8 +1,8 @@
 """What a person looks like from behind, guessed from the front: c^p of eq. 3.12, where the thesis asks PIFu.
 
-Clothes are much the same behind as in front, but not what is printed on the chest, and never the face. So a limb's
-colour is told for each of its cross-sections by what is seen there, most by what is seen near the outline: that goes
-on behind. Where the mirrored front is about that colour, it is kept, folds and all. Heads have their crown's colour.
+Clothes are much the same behind as in front, but not what is printed on the chest, and never the face. So the colour
+is told for each cross-section of a segment by what is seen there, most by what is seen near the outline: that goes on
+behind. Where the mirrored front is about that colour, it is kept, folds and all. Heads have their crown's colour.
 """
 
 from __future__ import annotations
@@ -11,22 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.ndimage import gaussian_filter1d
 
 from engines.character.mesh import Surface
+from engines.character.parts import LONG, SEGMENTS
 from engines.skeletons.smpl22 import SMPL22
 
 STEP = 0.012
-"""Metres between a limb's cross-sections."""
-LIKE = 24.0
+"""Metres between cross-sections."""
+LIKE = 40.0
 """Steps of 255 by which the mirrored front may differ from the cross-section's colour before it counts as print."""
 HAIRLINE = (0.18, 0.3)
 """Of the head's height from its lowest to its highest point: behind, below the first there is neck, above the second
 hair."""
-CROWN = 0.9
+CROWN = 0.84
 """Of the head's height: what is above shows the hair's colour."""
-
-_LIMBS = {"hip", "knee", "shoulder", "elbow"}
-_WHOLE = {"wrist"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +34,6 @@ class Samples:
 
     places: Float[np.ndarray, "P 3"]
     """(P, 3) metres."""
-    facing: Float[np.ndarray, " P"]
-    """(P,) the normal's z."""
     colours: Float[np.ndarray, "P 3"]
     """(P, 3) sRGB, 0 to 255."""
     vertex: Int[np.ndarray, " P"]
@@ -51,19 +48,19 @@ def guessed(surface: Surface, samples: Samples, mirrored: Float[np.ndarray, "N 3
         samples: what is seen of it.
         mirrored: (N, 3) colours of the picture before the vertices.
     """
-    parts = np.zeros(len(surface.vertices), np.int64) if surface.parts is None else surface.parts
+    segments = np.zeros(len(surface.vertices), np.int64) if surface.parts is None else SEGMENTS[surface.parts]
     head = SMPL22.index("head") if surface.parts is not None else -1
     result = np.array(mirrored)
     everywhere = _weighted_median(samples.colours, np.ones(len(samples.colours)))
-    for part in np.unique(parts):
-        mine, seen = np.flatnonzero(parts == part), np.flatnonzero(parts[samples.vertex] == part)
+    for segment in np.unique(segments):
+        mine, seen = np.flatnonzero(segments == segment), np.flatnonzero(segments[samples.vertex] == segment)
         if not len(seen):
             result[mine] = everywhere
             continue
-        level, level_seen = _levels(SMPL22.joints[part], surface.vertices[mine], samples.places[seen])
-        outline = (1.05 - samples.facing[seen]) ** 2
-        section = _sections(level, level_seen, samples.colours[seen], outline)
-        if part == head:
+        along, across = _axes(SMPL22.joints[segment], surface.vertices[mine])
+        level, level_seen = surface.vertices[mine] @ along, samples.places[seen] @ along
+        section = _sections(level, level_seen, samples.places[seen] @ across, samples.colours[seen])
+        if segment == head:
             result[mine] = _head(level, level_seen, samples.colours[seen], section)
         else:
             print_ = np.abs(result[mine] - section).max(axis=1, keepdims=True)
@@ -72,15 +69,16 @@ def guessed(surface: Surface, samples: Samples, mirrored: Float[np.ndarray, "N 3
     return result
 
 
-def _levels(joint: str, own: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far along the part, metres, its vertices and what is seen of it are."""
-    kind = joint.rsplit("_", 1)[-1]
-    axis = np.array([0.0, 1.0, 0.0])
-    if kind in _LIMBS:
-        axis = np.linalg.svd(own - own.mean(0), full_matrices=False)[2][0]
-    if kind in _WHOLE:
-        axis = np.zeros(3)
-    return own @ axis, seen @ axis
+def _axes(joint: str, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(3,) along a segment, and (3,) across it in the picture; of a hand nothing is along: all of it is skin."""
+    up, right = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+    if joint.endswith("wrist"):
+        return np.zeros(3), right
+    if not joint.endswith(LONG):
+        return up, right
+    along = np.linalg.svd(points - points.mean(0), full_matrices=False)[2][0]
+    across = np.array([-along[1], along[0], 0.0])
+    return along, across / max(np.linalg.norm(across), 1e-9)
 
 
 def _head(level: np.ndarray, level_seen: np.ndarray, colours: np.ndarray, section: np.ndarray) -> np.ndarray:
@@ -94,13 +92,23 @@ def _head(level: np.ndarray, level_seen: np.ndarray, colours: np.ndarray, sectio
     return share * hair + (1 - share) * section
 
 
-def _sections(level: np.ndarray, level_seen: np.ndarray, colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(N, 3) the weighted median colour of what is seen at each level; where nothing is, between the nearest."""
+def _sections(level: np.ndarray, level_seen: np.ndarray, across: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """(N, 3) the median colour of what is seen at each level, most of what is near the outline.
+
+    Where nothing is seen, it lies between the nearest levels'.
+    """
     number = np.floor((level_seen - level_seen.min()) / STEP).astype(np.int64)
     there = np.unique(number)
-    medians = np.array([_weighted_median(colours[number == n], weights[number == n]) for n in there])
+    medians = []
+    for n in there:
+        near = np.abs(number - n) <= 1
+        row, place = colours[near], across[near]
+        low, high = place.min(), place.max()
+        outward = np.abs(2 * place - low - high) / max(high - low, 1e-6)  # 0 in the middle, 1 at the outline
+        medians.append(_weighted_median(row, outward**2 + 0.02))
     middle = level_seen.min() + (there + 0.5) * STEP
-    return np.stack([np.interp(level, middle, medians[:, c]) for c in range(3)], axis=1)
+    smooth = gaussian_filter1d(np.array(medians), 1.0, axis=0, mode="nearest")
+    return np.stack([np.interp(level, middle, smooth[:, c]) for c in range(3)], axis=1)
 
 
 def _weighted_median(values: Float[np.ndarray, "P 3"], weights: Float[np.ndarray, " P"]) -> Float[np.ndarray, " 3"]:

@@ -112,9 +112,8 @@ def _samples(surface: Surface, front: Front) -> Samples:
     sure = front.trust[mask] > 0.5
     face = surface.faces[front.shown.faces[mask]]
     corner = face[np.arange(len(face)), front.shown.weights[mask].argmax(1)]  # the nearest
-    normals = interpolated(front.shown, surface.faces, surface.normals)
     places = interpolated(front.shown, surface.faces, surface.vertices)
-    return Samples(places[sure], normals[sure, 2], front.pixels[mask][sure], corner[sure])
+    return Samples(places[sure], front.pixels[mask][sure], corner[sure])
 
 
 def _cropped(pixels: UInt8[np.ndarray, "H W 3"], mask: np.ndarray, view: View) -> tuple[np.ndarray, np.ndarray, View]:

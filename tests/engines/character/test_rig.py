@@ -122,7 +122,7 @@ def test_rigid_motions_cost_nothing_and_are_found() -> None:
     hold[[0, 5, 50, 90]] = 100.0  # four control points say where all of it goes
     solver = AsRigidAsPossible(body.vertices, body.faces, hold)
     assert solver.energy(wanted) < 1e-20
-    start = np.where(hold[:, None] > 0, wanted, body.vertices + [1, 2, 3])
+    start = np.where(hold[:, None] > 0, wanted, body.vertices + np.array([1, 2, 3]))
     assert off(solver.deformed(wanted * (hold[:, None] > 0), start, rounds=60), wanted).max() < 10
 
 
@@ -210,7 +210,7 @@ def test_a_motion_of_another_skeleton_is_refused(character: Character) -> None:
 def test_a_mesh_in_pieces_of_which_one_is_far_away_gets_weights(fit: Fit, known: Known) -> None:
     far = ball(0.1, 1)
     both = Surface(
-        np.concatenate([known.surface.vertices, far.vertices + [0, 1, 3]]),
+        np.concatenate([known.surface.vertices, far.vertices + np.array([0, 1, 3])]),
         np.concatenate([known.surface.faces, far.faces + len(known.surface.vertices)]),
     )
     made = rigged(both, fit, "with a balloon")
