@@ -1,4 +1,4 @@
-"""Four pictures in one: the same moment from the front, from the side, from above, and going along with the body."""
+"""Four pictures in one: the same moment from four sides, each going along with the body or standing still."""
 
 from __future__ import annotations
 
@@ -20,6 +20,10 @@ VIEWS: tuple[tuple[str, Camera], ...] = (
     ("orbit", Camera("follow")),
 )
 """Name and camera of each, in reading order."""
+AROUND: tuple[tuple[str, Camera], ...] = tuple(
+    (name, Camera("follow", *Camera(name).angles)) for name in ("front", "back", "left", "right")
+)
+"""The same of a character that is to be seen from all around, as large wherever it goes."""
 SEAM = 2
 """Pixels between the pictures."""
 
@@ -27,18 +31,27 @@ SEAM = 2
 class FourViews:
     """Draws scenes as `moderngl_renderer.Renderer` does, four times in one picture, each with its name in a corner.
 
+    Args:
+        width: of its pictures, pixels.
+        height: likewise.
+        samples: a pixel.
+        views: names and cameras of the four.
+
     Raises:
         OutOfRangeError: a size or number of samples that cannot be.
         NoGraphicsError: no OpenGL here; the message says what to install.
     """
 
-    def __init__(self, width: int, height: int, samples: int = 4) -> None:
+    def __init__(
+        self, width: int, height: int, samples: int = 4, views: tuple[tuple[str, Camera], ...] = VIEWS
+    ) -> None:
+        self.views = views
         self.width, self.height = width, height
         across, down = (width - SEAM) // 2, (height - SEAM) // 2
         if min(across, down) < 1:
             raise OutOfRangeError("size of four views", f"{width} x {height}", "4 x 4 pixels or more")
         self._close = ExitStack()
-        self._renderers = [self._close.enter_context(Renderer(across, down, samples)) for _ in VIEWS]
+        self._renderers = [self._close.enter_context(Renderer(across, down, samples)) for _ in views]
         right, low = width - across, height - down
         self._corners = [(0, 0), (0, right), (low, 0), (low, right)]
 
@@ -61,11 +74,11 @@ class FourViews:
         ring = [np.full((self.height, self.width, 4), colour, np.uint8) for _ in range(min(RING, len(times)))]
         views = [
             renderer.pictures(scene.replaced(camera=camera), times)
-            for renderer, (_, camera) in zip(self._renderers, VIEWS, strict=True)
+            for renderer, (_, camera) in zip(self._renderers, self.views, strict=True)
         ]
         for number, parts in enumerate(zip(*views, strict=True)):
             whole = ring[number % len(ring)]
-            for (top, left), part, (name, _) in zip(self._corners, parts, VIEWS, strict=True):
+            for (top, left), part, (name, _) in zip(self._corners, parts, self.views, strict=True):
                 here = whole[top : top + part.shape[0], left : left + part.shape[1]]
                 here[:] = part
                 _write(here, name, scene.colours.ink)

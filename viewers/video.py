@@ -29,8 +29,8 @@ SIZES = {".mp4": (1280, 720, 30.0), ".webm": (1280, 720, 30.0), ".gif": (480, 27
 
 
 NO_ALPHA = "MP4 videos cannot be transparent; accepted: .webm, .gif or a folder of pictures."
-Views = Literal["one", "four"]
-VIEWS: tuple[Views, ...] = ("one", "four")
+Views = Literal["one", "four", "around"]
+VIEWS: tuple[Views, ...] = ("one", "four", "around")
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ class VideoSettings:
     samples: int = 4
     """Samples a pixel."""
     views: Views = "one"
-    """one: through the camera; four: from the front, the side, above and along with the body, in one picture."""
+    """one: through the camera; four: from the front, the side, above and along with the body, in one picture; around:
+    along with the body from the front, the back, the left and the right."""
     transparent: bool = False
     """Nothing behind the bodies: WebM, GIF and numbered pictures can, MP4 cannot. A transparent Scene is so anyhow."""
 
@@ -177,11 +178,16 @@ def _pictures(scene: Scene, chosen: VideoSettings) -> Iterator[tuple[Iterator[np
     """The pictures of a video, (H, W, 4) uint8, and how many there are."""
     assert chosen.width and chosen.height and chosen.fps is not None
     times = scene.times(chosen.fps)
-    if chosen.views == "four":
-        from viewers.four_views import FourViews as Draws
+    size = chosen.width, chosen.height, chosen.samples
+    if chosen.views == "one":
+        from viewers.moderngl_renderer import Renderer
+
+        drawing = Renderer(*size)
     else:
-        from viewers.moderngl_renderer import Renderer as Draws
-    with Draws(chosen.width, chosen.height, chosen.samples) as renderer:
+        from viewers import four_views
+
+        drawing = four_views.FourViews(*size, four_views.VIEWS if chosen.views == "four" else four_views.AROUND)
+    with drawing as renderer:
         yield renderer.pictures(scene, times), len(times)
 
 

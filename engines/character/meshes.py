@@ -44,15 +44,17 @@ class MeshFile:
     """What was guessed or left out, in sentences for the person whose file it is."""
 
 
-def read_mesh(source: str | Path | bytes, name: str = "") -> MeshFile:
+def read_mesh(source: str | Path | bytes, name: str = "", height: float | None = None) -> MeshFile:
     """Read a mesh with its texture.
 
     Args:
         source: an .obj (with its .mtl and pictures in the same folder), .ply or .glb; a .zip with one of them and what
             belongs to it; or the bytes of such a file.
         name: of the file, if there are only bytes of it; its ending tells the kind.
+        height: metres from the soles to the crown, where it is known; else it is told from the numbers.
 
     Raises:
+        OutOfRangeError: a height that nobody has.
         FormatError: no such file, of another kind, too large, or damaged.
         MeshError: it holds no faces, too many, or places that are no numbers.
     """
@@ -69,7 +71,7 @@ def read_mesh(source: str | Path | bytes, name: str = "") -> MeshFile:
         raise FormatError(path, f"meshes of this kind are not read; accepted: {', '.join(KINDS)}, or a .zip of one.")
     check_faces(path, kind, data)
     beside = _Beside(find)
-    surface, remarks = standing(joined(_pieces(path, kind, data, beside)), known_up=kind == ".glb")
+    surface, remarks = standing(joined(_pieces(path, kind, data, beside)), kind == ".glb", height)
     lost = [f"What it refers to as {missing!r} was not found and is left out." for missing in beside.missing]
     return MeshFile(surface, (*remarks, *lost))
 

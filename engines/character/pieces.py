@@ -10,7 +10,7 @@ from jaxtyping import Float, Integer, UInt8
 from PIL import Image
 
 from engines.character.mesh import Surface
-from engines.errors import MeshError
+from engines.errors import MeshError, OutOfRangeError
 
 ATLAS = 2048
 """Pixels a side of a texture that is made of several."""
@@ -77,7 +77,7 @@ def prepared(pieces: Iterable[Piece]) -> list[Piece]:
     return [_within_unit(_pictured(piece)) for piece in pieces]
 
 
-def standing(surface: Surface, known_up: bool = False) -> tuple[Surface, tuple[str, ...]]:
+def standing(surface: Surface, known_up: bool = False, height: float | None = None) -> tuple[Surface, tuple[str, ...]]:
     """A body as it stands: metres, Y up, its lowest point on the floor and its middle over the origin.
 
     Units and axes are in no mesh file that can be relied on, so they are told from the size: people are between 0.4
@@ -86,10 +86,17 @@ def standing(surface: Surface, known_up: bool = False) -> tuple[Surface, tuple[s
     Args:
         surface: as the file has it.
         known_up: its Y axis is known to point up.
+        height: metres, where it is known.
 
     Returns:
         The surface, and what was done in words.
+
+    Raises:
+        OutOfRangeError: a height that nobody has.
+        MeshError: the surface has none.
     """
+    if height is not None and not TALL[0] <= height <= TALL[1]:
+        raise OutOfRangeError("height", height, f"{TALL[0]} to {TALL[1]} metres")
     vertices, remarks = np.array(surface.vertices), []
     size = np.ptp(vertices, axis=0)
     if not known_up and size[2] > 1.5 * size[1]:
@@ -97,9 +104,9 @@ def standing(surface: Surface, known_up: bool = False) -> tuple[Surface, tuple[s
         size = size[[0, 2, 1]]
         remarks.append("It lay on its back or front, so its Z axis was taken to point up.")
     factor, words = metres(float(size[1]))
-    if words:
+    if words and height is None:
         remarks.append(words)
-    vertices *= factor
+    vertices *= factor if height is None else height / size[1]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     vertices -= [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]
     return surface.replaced(vertices=vertices), tuple(remarks)

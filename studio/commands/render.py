@@ -38,6 +38,7 @@ class Views(StrEnum):
 
     one = "one"
     four = "four"
+    around = "around"
 
 
 class Backdrop(StrEnum):
@@ -64,7 +65,9 @@ def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
     height: HeightOption = None,
     fps: FpsOption = None,
     camera: CameraOption = None,
-    views: Annotated[Views, typer.Option(help="four: front, side, top and orbit in one picture.")] = Views.one,
+    views: Annotated[
+        Views, typer.Option(help="four: front, side, top and orbit in one picture; around: all sides.")
+    ] = Views.one,
     show: Annotated[Show, typer.Option(help="Skin, stick figure, or both.")] = Show.body,
     body: Annotated[
         str | None, typer.Option(metavar="NAME", help="Body: anny, mannequin, stick, or a SMPL model file (.npz).")

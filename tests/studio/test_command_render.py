@@ -33,7 +33,7 @@ def picture(run, tmp_path):
     [
         ("--show", "skeleton"), ("--show", "both"), ("--body", "stick"), ("--trail",), ("--ghosts", "4"),
         ("--label", "Hello"), ("--backdrop", "light"), ("--views", "four"), ("--shape", "height=0.8"),
-        ("--body", "anny", "--shape", "gender=1", "--shape", "weight=0.9"),
+        ("--views", "around"), ("--body", "anny", "--shape", "gender=1", "--shape", "weight=0.9"),
     ],
 )  # fmt: skip
 def test_each_option_is_seen(picture, options):

@@ -137,6 +137,8 @@ def test_four_views_become_a_video_and_wrong_words_are_told(tmp_path: Path) -> N
     path = render(walk(), tmp_path / "a.mp4", width=160, height=120, fps=10, views="four")
     reader = imageio_ffmpeg.read_frames(str(path))
     assert next(reader)["size"] == (160, 120) and len(list(reader)) == 6
+    around = render(walk(), tmp_path / "c.mp4", width=160, height=120, fps=10, views="around")
+    assert around.read_bytes() != path.read_bytes()
     with pytest.raises(UnknownLabelError, match="unknown views 'for'; did you mean 'four'"):
         render(walk(), tmp_path / "b.mp4", views="for")
     with pytest.raises(OutOfRangeError, match="size of four views"):

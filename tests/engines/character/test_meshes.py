@@ -14,7 +14,7 @@ from PIL import Image
 from engines.character import meshes
 from engines.character.meshes import MAX_FILES, read_mesh
 from engines.character.pieces import Piece, joined
-from engines.errors import FormatError, MeshError
+from engines.errors import FormatError, MeshError, OutOfRangeError
 
 RED, BLUE, GREEN = (250, 20, 10), (10, 20, 250), (20, 240, 30)
 BOX = trimesh.creation.box((0.5, 1.7, 0.3))
@@ -60,6 +60,14 @@ def test_an_obj_with_its_texture_stands_upright_in_metres(tmp_path, scale: float
     said = " ".join(found.remarks)
     assert unit in said and ("Z axis" in said) == (up == 2)
     assert bool(found.remarks) == (scale != 1.0 or up == 2)
+
+
+def test_a_known_height_counts_more_than_any_guess(tmp_path) -> None:
+    picture().save(tmp_path / "skin.png")
+    found = read_mesh(obj(tmp_path, scale=9.0), height=1.6)
+    assert np.ptp(found.surface.vertices[:, 1]) == pytest.approx(1.6) and found.remarks == ()
+    with pytest.raises(OutOfRangeError, match="metres"):
+        read_mesh(tmp_path / "box.obj", height=175.0)
 
 
 def test_an_archive_holds_mesh_and_texture(tmp_path) -> None:
