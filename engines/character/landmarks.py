@@ -26,7 +26,7 @@ JOINTS: dict[str, str] = {
         "toe": "foot",
     }.items()
 }
-"""Landmark to the nearest joint of `smpl22`. Joints along the spine have no landmark: see `video.joints`."""
+"""Landmark to the nearest joint of `smpl22`. Joints along the spine have no landmark."""
 
 BONES: tuple[tuple[str, str], ...] = (
     ("left_shoulder", "right_shoulder"),

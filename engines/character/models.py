@@ -53,7 +53,8 @@ class Crop:
     def about(cls, hips: Float[np.ndarray, " 2"], rim: Float[np.ndarray, " 2"]) -> Crop:
         """The square about the circle through `rim` round the hips' middle, turned so that `rim` is straight up."""
         x, y = rim - hips
-        return cls(np.asarray(hips, dtype=np.float64), float(2 * _MARGIN * np.hypot(x, y)), float(np.arctan2(x, -y)))
+        side = max(2 * _MARGIN * float(np.hypot(x, y)), 1.0)
+        return cls(np.asarray(hips, dtype=np.float64), side, float(np.arctan2(x, -y)))
 
     @property
     def axes(self) -> Float[np.ndarray, "2 2"]:
@@ -144,9 +145,8 @@ def detect(pixels: UInt8[np.ndarray, "H W 3"]) -> list[Crop]:
     out = _network(DETECTOR)(np.asarray(square, dtype=np.float32) / 127.5 - 1)
     scores = expit(np.clip(out["Identity_1"][:, 0], -100, 100))
     likely = scores > SURE
-    values = (
-        out["Identity"][likely].reshape(-1, 6, 2) / 224
-    )  # centre, size, hips, rim, shoulders, rim of the upper body
+    # centre, size, hips, rim, shoulders, rim of the upper body
+    values = out["Identity"][likely].reshape(-1, 6, 2) / 224
     values[:, [0, 2, 3, 4, 5]] += _anchors()[likely, None]
     return [Crop.about(*whole.to_picture(found[2:4])) for found in _merged(values, scores[likely])]
 

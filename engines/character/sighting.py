@@ -101,7 +101,7 @@ def look(picture: Picture) -> Sighting:
     """
     people = _people(picture.pixels)
     if not people:
-        raise FormatError(picture.name, f"nobody was found in it; accepted: {_GOOD}.")
+        raise FormatError(picture.name, f"nobody was found in it; accepted: {_GOOD}, and not too small in it.")
     sizes = np.array([body.crop.side for body in people])
     near = int((sizes >= BYSTANDER * sizes.max()).sum())
     if near > 1:

@@ -65,10 +65,10 @@ _LIMBS = tuple(
 """Near and far end of a limb, and what goes along with the far one."""
 _DEPTH_ERROR = 0.05
 """Metres by which the network's depth across a limb is usually off."""
-_LEAN = 0.45
-"""Radians that somebody who stands may seem to lean toward the camera or away."""
 _LENGTH_ERROR = 0.1
 """Share of its length by which a limb seems longer or shorter than it is."""
+_LEAN = 0.45
+"""Radians that somebody who stands may seem to lean toward the camera or away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,14 +166,11 @@ def _followed(path: Path, progress: Progress | None, cancel: Cancel | None) -> _
             path,
             f"shows a person in {found.sum()} of {len(found)} frames; accepted: one whole person in at least half.",
         )
-    known = [body for body in bodies if body is not None]
-    middle = np.array(size) / 2
-    spread = [np.zeros((len(found), *array.shape)) for array in (known[0].points, known[0].places, known[0].seen)]
-    for whole, name in zip(spread, ("points", "places", "seen"), strict=True):
-        whole[found] = [getattr(body, name) for body in known]
-    spread[0][:] -= middle
-    points, places, seen = spread
-    return _Track(points, places, seen, found, _FOCAL * max(size), fps)
+    filler = next(body for body in bodies if body is not None)  # where nobody was found, `_filled` looks elsewhere
+    points, places, seen = (
+        np.array([getattr(body or filler, name) for body in bodies]) for name in ("points", "places", "seen")
+    )
+    return _Track(points - np.array(size) / 2, places, seen, found, _FOCAL * max(size), fps)
 
 
 def _filled(track: _Track) -> _Track:
@@ -222,10 +219,8 @@ def _levelled(track: _Track) -> _Track:
     the time is left as seen.
     """
     above, below = (
-        np.median(
-            [track.places[:, landmarks.index(f"{side}_{name}")] for side in ("left", "right") for name in names], 0
-        )
-        for names in (("hip", "shoulder"), ("ankle", "toe"))
+        np.mean([track.places[:, landmarks.index(f"{side}_{part}")] for side in ("left", "right") for part in parts], 0)
+        for parts in (("hip", "shoulder"), ("ankle", "toe"))
     )
     _, up, ahead = np.median(above - below, axis=0)
     lean = np.arctan2(ahead, up)
