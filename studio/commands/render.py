@@ -70,7 +70,8 @@ def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
     ] = Views.one,
     show: Annotated[Show, typer.Option(help="Skin, stick figure, or both.")] = Show.body,
     body: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Body: anny, mannequin, stick, or a SMPL model file (.npz).")
+        str | None,
+        typer.Option(metavar="NAME", help="Body: anny, mannequin, stick, character:NAME, or a SMPL model file (.npz)."),
     ] = None,
     shape: Annotated[
         list[str] | None,
