@@ -193,7 +193,8 @@ class ExportSettings:
     edits: tuple[str, ...] = ()
     """Done to the motion first: smooth, feet (held where they stand), loop, mirror, in_place."""
     body: str = ""
-    """Of videos, strips and .glb: anny, mannequin, stick, smpl, smplh, smplx, character:NAME or a SMPL model file; empty: the usual."""
+    """Of videos, strips and .glb: anny, mannequin, stick, smpl, smplh, smplx, character:NAME or a SMPL model
+    file; empty: the usual."""
     shape: Mapping[str, float] = field(default_factory=dict)
     """Sliders of the body and their values, those that are not as usual."""
 
