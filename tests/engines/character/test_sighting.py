@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from PIL import Image
 from engines import SMPL22
 from engines.character import landmarks, mask, models
 from engines.character.models import Body, Crop
-from engines.character.picture import Picture
+from engines.character.picture import Picture, open_picture
 from engines.character.sighting import Sighting, look
 from engines.errors import FormatError, OutOfRangeError, UnknownLabelError
 from engines.evaluation.characters import overlap
@@ -92,6 +93,14 @@ def test_nobody_several_and_half_a_person_are_refused_in_words(person: Person) -
         look(Picture(np.concatenate([person.pixels, person.pixels], axis=1)))
     with pytest.raises(FormatError, match="hidden: the left foot, the right foot"):
         look(Picture(np.ascontiguousarray(person.pixels[:480])))
+
+
+@needs_networks
+def test_a_photograph_of_half_a_person_is_told_from_a_whole_one() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    portrait = open_picture(Path(matplotlib.get_data_path()) / "sample_data" / "grace_hopper.jpg")
+    with pytest.raises(FormatError, match=r"grace_hopper\.jpg: outside it or hidden: the left foot, the right foot"):
+        look(portrait)
 
 
 @needs_networks
