@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from engines.character.character import Character
 from engines.character.mesh import Surface
@@ -65,6 +66,27 @@ def test_names_that_cannot_be_are_refused_in_words(ada: str, tmp_path) -> None:
     with pytest.MonkeyPatch.context() as elsewhere, pytest.raises(FormatError, match="cannot be made"):
         elsewhere.setenv("MOTIONLOOM_CHARACTERS", str(tmp_path / "taken" / "in"))
         character.save(made(), "Ada")
+
+
+def test_a_coarser_level_keeps_shape_and_seams(ada: str) -> None:
+    body, surface = bodies.get(ada), made().surface
+    (coarse,) = body.coarse
+    assert len(coarse) < 0.6 * len(body.faces)
+    few = surface.replaced(faces=coarse.astype(np.int64))
+    assert few.open_edges <= surface.open_edges, "no hole is torn"
+    assert few.areas.sum() == pytest.approx(surface.areas.sum(), rel=0.01)
+    middles = few.vertices[few.faces].mean(1)
+    assert KDTree(surface.vertices).query(middles)[0].max() < 0.03
+    turned = []
+    for one in (surface, few):
+        flat = np.cross(*np.diff(one.vertices[one.faces], axis=1).transpose(1, 0, 2))
+        turned.append((np.einsum("fa,fa->f", flat, surface.normals[one.faces].sum(1)) <= 0).mean())
+    assert turned[1] < turned[0] + 0.02, "no face is turned over (linings are from the start)"
+    seams = np.bincount(surface.groups)[surface.groups] > 1
+    used = np.isin(np.arange(len(seams)), coarse)
+    assert used[seams & np.isin(np.arange(len(seams)), surface.faces)].all()
+    assert used[~seams].mean() < 0.5
+    assert character.body_of(made(texture=None)).coarse[0].shape == coarse.shape
 
 
 def test_large_textures_are_made_smaller() -> None:

@@ -19,15 +19,19 @@ from PIL import Image
 
 from engines.errors import FormatError, OutOfRangeError, UnknownLabelError
 from viewers.bodies.body import LARGEST_TEXTURE, Body
+from viewers.bodies.coarse import coarser, rims
 
 if TYPE_CHECKING:
     from engines.character.character import Character
+    from engines.character.mesh import Surface
 
 PREFIX = "character:"
 """Of the names by which `bodies.get` knows characters."""
 ENDING = ".npz"
 GREY = (178, 178, 184)
 """sRGB of a surface that nobody has painted."""
+FEW_FACES = 12_000
+"""What is drawn as it is, however small; of more there is a coarser level."""
 NAMES = re.compile(r"\w[\w \-]{0,59}")
 
 
@@ -131,7 +135,16 @@ def body_of(character: Character) -> Body:
         uv=None if surface.uv is None else np.clip(surface.uv, 0, 1),
         texture=_small(surface.texture),
         own_bones=True,
+        coarse=_coarse(surface),
     )
+
+
+def _coarse(surface: Surface) -> tuple[np.ndarray, ...]:
+    """Fewer faces for figures that are small or have to be drawn fast, the texture's seams as they were."""
+    if len(surface.faces) <= FEW_FACES:
+        return ()
+    kept = rims(surface.faces, surface.groups)
+    return (coarser(surface.vertices, surface.faces, kept, max(len(surface.faces) // 3, FEW_FACES)),)
 
 
 def _small(texture: np.ndarray | None) -> np.ndarray | None:
