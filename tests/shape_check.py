@@ -20,6 +20,7 @@ CHECKED = (
     "engines.character.models",
     "engines.character.picture",
     "engines.character.sighting",
+    "engines.character.video",
     "engines.character.view",
     "engines.geometry",
     "engines.metrics.physical",
