@@ -32,7 +32,7 @@ THINNER = 0.02
 """Metres a body's front and back may go inward."""
 STEP = 0.5
 """Pixels of a walk's step."""
-SMOOTH, FLAT, STILL = 4.0, 0.01, 1e-3
+SMOOTH, FLAT, STILL = 2.0, 0.3, 1e-6
 """Weights beside that of one pixel of the outline: of bending of the fields, of their slope, of moving at all."""
 STIFF = {"wrist": 300.0, "ankle": 10.0, "foot": 300.0, "head": 5.0}
 """How much more these resist than the rest: hands and shoes go where they are as a whole, since a mask shows no fingers
