@@ -15,6 +15,7 @@ import shutil
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from tests.viewers.textured import checkers, textured
 from tests.viewers.web.synthetic import walk
 from viewers.web.controls import actors_of, encode
 from viewers.web.player import save_html
@@ -38,6 +40,8 @@ CASES: list[tuple[str, int, dict[str, Any]]] = [
     ("body", 1, {}),
     ("skeleton", 1, {"show": "skeleton"}),
     ("both", 1, {"show": "both"}),
+    ("body with a texture, no coarse one", 1, {"body": textured(checkers(1024))}),
+    ("the same without texture", 1, {"body": replace(textured(checkers(1024)), uv=None, texture=None)}),
     ("body, 6 ghosts", 1, {"ghosts": 8}),
     ("body, trail, contacts", 1, {"trail": True, "contacts": True}),
     ("4 bodies", 4, {}),
@@ -102,9 +106,8 @@ def speeds(arguments: argparse.Namespace) -> None:
         flags = FLAGS if arguments.hardware else FLAGS + SOFTWARE
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
         for name, count, options in CASES:
-            path = save_html(
-                [walk(10.0)] * count, Path(folder) / "player.html", body=arguments.body, in_place=True, **options
-            )
+            shown = {"body": arguments.body, "in_place": True, **options}
+            path = save_html([walk(10.0)] * count, Path(folder) / "player.html", **shown)
             page = browser.new_page(viewport={"width": width, "height": height})
             page.goto(path.as_uri())
             page.wait_for_function("() => window.motionPlayer?.model.get('ready')")

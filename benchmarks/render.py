@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from engines.motion import Motion
 from tests.viewers import poses
+from tests.viewers.textured import checkers, textured
 from viewers.camera import Camera
 from viewers.moderngl_renderer import Renderer
 from viewers.scene import Actor, Scene
@@ -82,6 +84,8 @@ def main() -> None:
         "still camera": Scene.of(motion, camera=Camera("left")),
         "following, ghosts, trail, contacts": Scene.of(motion, ghosts=8, trail=True, contacts=True),
         "four bodies": Scene.of([motion] * 4),
+        "a texture": Scene.of(motion, body=textured(checkers(1024))),
+        "as many faces without": Scene.of(motion, body=replace(textured(checkers(1024)), uv=None, texture=None)),
     }
     with Renderer(*SIZE) as renderer:
         print(f"{renderer.graphics.gl.info['GL_RENDERER']}; {SIZE[0]}x{SIZE[1]}, 4 samples, {FPS:g} fps")
