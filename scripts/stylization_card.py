@@ -127,7 +127,7 @@ Looked at and what they are: {", ".join(extra.get("reads", [])) or "none yet"}.
 """
 
 
-def _ours(report: str) -> str:
+def ours(report: str) -> str:
     """Of a report the table and its notes, without title and the papers' figures."""
     return report.partition("\n")[2].partition("## The papers")[0].strip()
 
@@ -149,7 +149,7 @@ def main() -> None:
     if options.limits is not None:
         extra["limits"] = options.limits
     if options.tables:
-        extra["tables"] = [_ours((folder / "table.md").read_text()) for folder in options.tables]
+        extra["tables"] = [ours((folder / "table.md").read_text()) for folder in options.tables]
     if options.run is not None:
         drawn = f"docs/losses-stylization-{options.variant}.webp"
         extra["losses"] = curves(options.run / "style", ROOT / drawn) | {"picture": drawn}
