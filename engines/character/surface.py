@@ -34,7 +34,7 @@ STEP = 0.5
 """Pixels of a walk's step."""
 SMOOTH, FLAT, STILL = 2.0, 0.3, 1e-6
 """Weights beside that of one pixel of the outline: of bending of the fields, of their slope, of moving at all."""
-STIFF = {"wrist": 300.0, "ankle": 10.0, "foot": 300.0, "head": 5.0}
+STIFF = {"wrist": 40.0, "ankle": 5.0, "foot": 20.0, "head": 5.0}
 """How much more these resist than the rest: hands and shoes go where they are as a whole, since a mask shows no fingers
 and sees feet from above; the face is the template's."""
 SOFTENED = 12
