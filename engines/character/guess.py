@@ -24,8 +24,12 @@ LIKE = 40.0
 HAIRLINE = (0.18, 0.3)
 """Of the head's height from its lowest to its highest point: behind, below the first there is neck, above the second
 hair."""
-CROWN = 0.84
+CROWN = 0.8
 """Of the head's height: what is above shows the hair's colour."""
+EARS = 0.45
+"""Of the head's depth from its back to the tip of the nose: what is farther is face."""
+COLLAR = 0.04
+"""Metres by which a neckline is higher behind than in front."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +44,16 @@ class Samples:
     """(P,) the surface's nearest vertex."""
 
 
-def guessed(surface: Surface, samples: Samples, mirrored: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
-    """(N, 3) sRGB, 0 to 255, of the surface's vertices as if they could not be seen.
+def guessed(
+    surface: Surface, samples: Samples, mirrored: Float[np.ndarray, "N 3"], face: Float[np.ndarray, " 3"]
+) -> Float[np.ndarray, "N 3"]:
+    """(N, 3) sRGB, 0 to 255, of the surface's vertices as if they could not be seen; NaN for the face.
 
     Args:
         surface: as it stands before the camera; without parts, every height has its colour.
         samples: what is seen of it.
         mirrored: (N, 3) colours of the picture before the vertices.
+        face: where the head faces.
     """
     segments = np.zeros(len(surface.vertices), np.int64) if surface.parts is None else SEGMENTS[surface.parts]
     head = SMPL22.index("head") if surface.parts is not None else -1
@@ -59,9 +66,13 @@ def guessed(surface: Surface, samples: Samples, mirrored: Float[np.ndarray, "N 3
             continue
         along, across = _axes(SMPL22.joints[segment], surface.vertices[mine])
         level, level_seen = surface.vertices[mine] @ along, samples.places[seen] @ along
+        if SMPL22.joints[segment] == "pelvis" and surface.parts is not None:
+            level = _below_collar(level, surface.parts[mine] == SMPL22.index("neck"))
         section = _sections(level, level_seen, samples.places[seen] @ across, samples.colours[seen])
         if segment == head:
             result[mine] = _head(level, level_seen, samples.colours[seen], section)
+            depth = surface.vertices[mine] @ face
+            result[mine[depth > depth.min() + EARS * np.ptp(depth)]] = np.nan
         else:
             print_ = np.abs(result[mine] - section).max(axis=1, keepdims=True)
             alike = np.exp(-((print_ / LIKE) ** 2))
@@ -79,6 +90,13 @@ def _axes(joint: str, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     along = np.linalg.svd(points - points.mean(0), full_matrices=False)[2][0]
     across = np.array([-along[1], along[0], 0.0])
     return along, across / max(np.linalg.norm(across), 1e-9)
+
+
+def _below_collar(level: np.ndarray, neck: np.ndarray) -> np.ndarray:
+    """Levels of the trunk, those near the neck's lower end brought below the collar; the neck's own stay."""
+    if not neck.any():
+        return level
+    return np.where(neck, level, np.minimum(level, level[neck].min() - COLLAR))
 
 
 def _head(level: np.ndarray, level_seen: np.ndarray, colours: np.ndarray, section: np.ndarray) -> np.ndarray:

@@ -62,7 +62,7 @@ def build(  # noqa: PLR0913 - four may be left out
     surface = clothed(found, source)
     step(0.65, "Colouring what the picture does not show")
     front = Front.of(surface, source.picture, source.mask, found.view)
-    surface = painted(surface, front)
+    surface = painted(surface, front, face=facing(found))
     step(0.75, "Drawing the texture")
     surface = baked(surface, front)
     step(0.85, "Rigging")
@@ -128,6 +128,12 @@ def from_rigged(source: Rigged, name: str, *, provenance: Mapping[str, Any] | No
         skeleton=source.skeleton,
         provenance={"remarks": list(source.remarks), **(provenance or {})},
     )
+
+
+def facing(found: Fit) -> tuple[float, float, float]:
+    """(3,) where the head of a fitted body faces."""
+    x, y, z = found.turns[found.template.skeleton.index("head")][:, 2]
+    return float(x), float(y), float(z)
 
 
 def _report(found: Fit) -> dict[str, Any]:

@@ -76,7 +76,9 @@ class Front:
         return _sampled(self.trust[..., None], at)[:, 0] * facing * open_
 
 
-def painted(surface: Surface, front: Front, weight: float = 1.0) -> Surface:
+def painted(
+    surface: Surface, front: Front, weight: float = 1.0, face: tuple[float, float, float] = (0.0, 0.0, 1.0)
+) -> Surface:
     """Colours everywhere (thesis eq. 3.12): the picture's where it is sure, elsewhere near a guess and the neighbours.
 
     Where the surface turns away at the silhouette, or another limb hides it, only the neighbours count. The guess,
@@ -86,6 +88,7 @@ def painted(surface: Surface, front: Front, weight: float = 1.0) -> Surface:
         surface: as it stands before the camera; with `parts`, hair is told from face.
         front: its picture.
         weight: lambda_nn, how much neighbours count against the guess.
+        face: where the head faces; there is no hair, whatever the camera sees.
 
     Returns:
         The surface with colours.
@@ -95,7 +98,7 @@ def painted(surface: Surface, front: Front, weight: float = 1.0) -> Surface:
     colours = front.colours(surface.vertices)
     away = surface.normals[:, 2] < 0
     if known.any():
-        guess = guessed(surface, _samples(surface, front), colours)
+        guess = guessed(surface, _samples(surface, front), colours, np.array(face))
         colours = completed(surface, colours, known, np.where(away[:, None], guess, np.nan), weight)
     return surface.replaced(colours=np.round(colours).clip(0, 255).astype(np.uint8))
 

@@ -10,11 +10,16 @@ from jaxtyping import Bool, Float, UInt8
 from scipy.spatial import KDTree
 
 from engines.character.depth import rasterised
+from engines.character.fitting import fit
+from engines.character.making import facing
 from engines.character.mesh import Surface
 from engines.character.picture import Picture
+from engines.character.sighting import Sighting
+from engines.character.surface import clothed
 from engines.character.template import Template, posed_vertices, strongest_joints
-from engines.character.texture import Front, interpolated
+from engines.character.texture import Front, interpolated, painted
 from engines.character.view import View
+from engines.geometry.kinematics import forward_kinematics
 from engines.geometry.rotations import rotvec_to_matrix
 
 BACKDROP = (188, 190, 186)
@@ -44,6 +49,12 @@ class Known:
         """The body in its pose, with its colours (the printed disc excepted) and parts."""
         vertices = posed_vertices(self.template, self.pose, self.root)
         return Surface(vertices, self.template.faces, self.colours, parts=strongest_joints(self.template))
+
+    @cached_property
+    def joints(self) -> Float[np.ndarray, "J 3"]:
+        """(J, 3) its joints, metres."""
+        skeleton = self.template.skeleton
+        return forward_kinematics(self.pose, self.root, skeleton.offsets, skeleton.parents)[0]
 
     @cached_property
     def front(self) -> tuple[Picture, Bool[np.ndarray, "H W"]]:
@@ -129,3 +140,53 @@ def back_error(known: Known, surface: Surface) -> float:
     shown = rasterised(turned(surface.vertices), surface.faces, known.view, known.size)
     made = interpolated(shown, surface.faces, surface.colours)
     return float(np.abs(made - picture.pixels[shown.mask])[mask[shown.mask]].mean())
+
+
+def laid_over(points: Float[np.ndarray, "N 3"], view: View, known: Known) -> Float[np.ndarray, "N 3"]:
+    """Points as `view` shows them, in the metres of the known body's view; a picture tells no size and no depth.
+
+    What is left free, the depth of all of them together, is for whoever compares.
+    """
+    flat = known.view.unproject(view.project(points))
+    flat[:, 2] = points[:, 2] * view.scale / known.view.scale
+    return flat
+
+
+def measured(known: Known, template: Template, sighting: Sighting) -> dict[str, float]:
+    """How near the truth a character comes that is made from the known body's picture alone.
+
+    Args:
+        known: the truth.
+        template: what is fitted, in its usual shape.
+        sighting: what was seen in `known.front`.
+
+    Returns:
+        `mask`, `body` and `clothed`: overlaps of silhouettes with the true one; `joints`, millimetres, mean; `chamfer`,
+        millimetres; `back`, `mirrored` and `nearest`: colour errors from behind of ours and of the two simple ways.
+    """
+    picture, mask = known.front
+    found = fit(sighting, template)
+    surface = clothed(found, sighting)
+    front = Front.of(surface, picture, sighting.mask, found.view)
+
+    def silhouette(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+        return rasterised(vertices, faces, found.view, known.size).mask
+
+    joints = laid_over(found.joints, found.view, known)
+    deeper = np.array([0.0, 0.0, known.joints[:, 2].mean() - joints[:, 2].mean()])
+    over = laid_over(surface.vertices, found.view, known) + deeper
+    used = known.surface.vertices[np.unique(known.surface.faces)]
+
+    def error(coloured: Surface) -> float:
+        return back_error(known, coloured.replaced(vertices=over))
+
+    return {
+        "mask": overlap(sighting.mask > 0.5, mask),
+        "body": overlap(silhouette(found.vertices, found.template.faces), mask),
+        "clothed": overlap(silhouette(surface.vertices, surface.faces), mask),
+        "joints": 1000 * float(np.linalg.norm(joints + deeper - known.joints, axis=1).mean()),
+        "chamfer": 1000 * chamfer(over, used),
+        "back": error(painted(surface, front, face=facing(found))),
+        "mirrored": error(mirrored(surface, front)),
+        "nearest": error(nearest_copy(surface, front)),
+    }
