@@ -27,7 +27,9 @@ def body_panel(session: Session) -> BodyPanel:
 
     def body() -> dict[str, Any]:
         return {
-            "bodies": [{"name": name, "text": TEXTS.get(name, name)} for name in state.bodies],
+            "bodies": [
+                {"name": name, "text": TEXTS.get(name, name.removeprefix("character:"))} for name in state.bodies
+            ],
             "body": state.body,
             "sliders": [_slider(slider, state.shape) for slider in state.sliders],
             "error": state.body_error,

@@ -13,7 +13,9 @@ from studio.proportions import bone_scale, factors, proportions
 from studio.settings import ExportSettings, Settings, parse_settings
 from studio.takes import TakeList
 from tests.studio.fakes import sway
+from tests.viewers.test_character_bodies import made
 from viewers import bodies
+from viewers.bodies import character
 
 
 @pytest.fixture
@@ -40,6 +42,22 @@ def test_a_slider_shows_at_once_and_is_one_step_when_let_go(dressed):
     assert (state.worn, state.shape) == ("anny", {})
     dressed.redo()
     assert state.worn.shape == {"weight": 0.9}
+
+
+def test_a_character_is_worn_and_missed_where_its_file_is_gone(session, settle, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOTIONLOOM_CHARACTERS", str(tmp_path))
+    name = character.save(made(), "Ada")
+    session.start()
+    settle(session)
+    session.dressing.wear(name)
+    settle(session)
+    assert session.state.worn is bodies.get(name) and session.state.undo_name == f"wear {name}"
+    assert session.state.export_settings().body == name
+    (tmp_path / "Ada.npz").unlink()
+    session.dressing._loaded.clear()
+    session.dressing._show(name, {})
+    settle(session)
+    assert session.state.worn == "anny" and "no such character" in session.state.body_error
 
 
 def test_what_was_only_dragged_goes_with_reset(dressed):

@@ -84,13 +84,15 @@ def get(name: str) -> Body:
 
     Raises:
         UnknownLabelError: none of that name is kept; the nearest are listed.
-        FormatError: the file is missing, damaged or no character.
+        FormatError: none is kept at all, or the file is missing, damaged or no character.
     """
     path = Path(name)
     if name.startswith(PREFIX):
         path = file_of(name)
+        if not path.is_file() and not saved():
+            raise FormatError(path, "there is no such character; `motionloom character PICTURE --save NAME` keeps one.")
         if not path.is_file():
-            raise UnknownLabelError("character", name, saved() or ("none is kept yet: `motionloom character --save`",))
+            raise UnknownLabelError("character", name, saved())
     return _read(path.resolve(), path.stat().st_mtime_ns if path.exists() else 0)
 
 
