@@ -33,7 +33,7 @@ from studio.serving import LOCAL, Access, end_with, processes
 from studio.session import Session
 from studio.settings import GenerateSettings
 from studio.state import StudioState
-from studio.views import compose, inspector, stage, style, takes, topbar
+from studio.views import character, compose, inspector, stage, style, takes, topbar
 from studio.views.forms import column
 from studio.views.parts import ASSETS, read_asset
 
@@ -117,7 +117,9 @@ def _lay_out(session: Session) -> pn.Template:
         "topbar": bar,
         "compose_tabs": compose.compose_tabs(session),
         "compose": compose.compose_form(session, field),
-        "go": column(compose.generate_button(session), style.style_button(session), gap=0),
+        "go": column(
+            compose.generate_button(session), style.style_button(session), character.character_button(session), gap=0
+        ),
         "ideas": compose.examples(session),
         "browse": compose.action_grid(session),
         "styles": style.style_grid(session),

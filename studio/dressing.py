@@ -40,6 +40,13 @@ class Dressing:
         if name in self.session.state.bodies:
             self._keep(name, {}, f"wear {name}")
 
+    def renew(self, name: str = "") -> None:
+        """Bodies came, went or changed; the one of that name is read anew when it is worn."""
+        from viewers import bodies
+
+        self._loaded.pop(name, None)
+        self.session.state.bodies = list(bodies.available())
+
     def reshape(self, values: Mapping[str, float], keep: bool = True) -> None:
         """Move sliders of the body.
 

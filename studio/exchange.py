@@ -51,23 +51,39 @@ class Exchange:
     # ---- in -----------------------------------------------------------------------------------------------
 
     def receive(self, message: Mapping[str, Any], then: Callable[[Take], None] | None = None) -> None:
-        """One piece of a file on its way in; with the last one it is imported. Pieces out of order are refused.
+        """One piece of a motion file on its way in; with the last one it is imported.
+
+        Args:
+            message: as for `arrived`.
+            then: as for `import_file`.
+        """
+        try:
+            whole = self.arrived(message)
+        except FormatError as problem:
+            self.session.state.param.update(import_error=str(problem), import_status="")
+            return
+        if whole is not None:
+            self.import_file(*whole, then)
+
+    def arrived(self, message: Mapping[str, Any]) -> tuple[str, bytes] | None:
+        """One piece of a file on its way in; its name and bytes with the last one.
 
         Args:
             message: id and name of the file, its size in bytes, where the piece starts, and its `data`.
-            then: as for `import_file`.
+
+        Raises:
+            FormatError: pieces out of order, or more than `UPLOAD_LIMIT`.
         """
         key, name, start, size, piece = (message[part] for part in ("id", "name", "start", "size", "data"))
         held = self._arriving.setdefault(key, bytearray()) if start == 0 else self._arriving.get(key)
         if held is None or start != len(held) or size > UPLOAD_LIMIT or start + len(piece) > size:
             self._arriving.pop(key, None)
-            problem = f"{name}: the upload broke off; try again."
-            self.session.state.param.update(import_error=problem, import_status="")
-            return
+            raise FormatError(name, "the upload broke off; try again.")
         held += piece
-        if len(held) == size:
-            del self._arriving[key]
-            self.import_file(Path(name).name, bytes(held), then)
+        if len(held) < size:
+            return None
+        del self._arriving[key]
+        return Path(name).name, bytes(held)
 
     def import_file(self, name: str, data: bytes, then: Callable[[Take], None] | None = None) -> None:
         """Read a motion file a person dropped; what is wrong with it is said in `state.import_error`.

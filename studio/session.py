@@ -18,6 +18,7 @@ from typing import Any
 import engines
 from studio import draws, tasks, thumbnails
 from studio.arranging import Arranging
+from studio.casting import Casting
 from studio.dressing import Dressing
 from studio.editing import Editing
 from studio.exchange import Exchange
@@ -70,6 +71,7 @@ class Session:
         self.styling = Styling(self)
         self.arranging = Arranging(self)
         self.dressing = Dressing(self)
+        self.casting = Casting(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
         self._draws = 0

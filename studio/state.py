@@ -127,7 +127,7 @@ class StudioState(param.Parameterized):
     # ---- which panels are open ----
     compose_tab = param.Selector(
         default="action",
-        objects=["action", "text", "style", "sequence", "vary", "import"],
+        objects=["action", "text", "style", "sequence", "vary", "character", "import"],
         doc="Tab of the left panel.",
     )
     inspector_tab = param.Selector(

@@ -5,7 +5,8 @@ export function render(part) {
   const input = h("input", {type: "file", accept: model.accept.join(","), class: "vh", id: "file", tabindex: "-1", "aria-label": model.label})
   const choose = h("button", {class: "btn", type: "button", onclick: () => input.click()}, icon("upload"), "Choose a file")
   const outcome = h("div", {role: "status"})
-  const zone = h("div", {class: model.compact ? "zone compact" : "zone"}, icon("upload"), h("p", {}, model.text), choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
+  const words = h("p")
+  const zone = h("div", {}, icon("upload"), words, choose, input, h("p", {class: "hint"}, `${model.accept.join(", ")} up to ${model.limit / 2 ** 20} MB`))
   const refuse = (text) => { model.error = text; model.status = "" }
   async function send(file) {
     if (!file) return
@@ -23,6 +24,10 @@ export function render(part) {
   }
   input.addEventListener("change", () => { send(input.files[0]); input.value = "" })
   mount(part, [zone, outcome], {"motionloom:file": (event) => { if (model.active) send(event.detail) }, "motionloom:choose-file": () => { if (model.active) input.click() }})
+  watch(model, ["compact", "text"], () => {
+    zone.className = model.compact ? "zone compact" : "zone"
+    words.textContent = model.text
+  })
   watch(model, ["error", "status", "active"], () => {
     if (!model.active) redraw(outcome)
     else redraw(outcome, model.error ? h("p", {class: "fault", role: "alert"}, model.error) : model.status && h("p", {class: "hint"}, model.status))

@@ -14,7 +14,6 @@ from studio.settings import VIDEO_FORMATS, format_of
 
 if TYPE_CHECKING:
     from engines import Motion
-    from engines.character.character import Character
     from viewers.bodies import Body
 
 SECONDS = 4.0
@@ -80,6 +79,7 @@ def character(  # noqa: PLR0913, PLR0917 (one parameter an option)
 
 def _worn(source: str, save: str | None, height: float | None, body: str) -> Body:
     """The character as a body; kept where it is to be."""
+    from studio import likeness
     from viewers import bodies
     from viewers.bodies.character import PREFIX, body_of, file_of
     from viewers.bodies.character import save as keep
@@ -89,27 +89,17 @@ def _worn(source: str, save: str | None, height: float | None, body: str) -> Bod
     if save is not None:
         file_of(save)  # a name that cannot be is refused before anything is done
     with progress_bar(f"character {Path(source).name}", "%") as bar:
-        made = _made(Path(source), height, bodies.get(body), lambda share, _words: bar(round(100 * share), 100))
+        file = Path(source)
+        found = likeness.find(file, file.name, height)
+        made = likeness.make(
+            found, bodies.get(body), file.name, height=height,
+            progress=lambda share, _words: bar(round(100 * share), 100),
+        )  # fmt: skip
     for remark in made.provenance.get("remarks", ()):
         typer.echo(f"note: {remark}", err=True)
     if save is not None:
         typer.echo(keep(made, save))
     return body_of(made)
-
-
-def _made(source: Path, height: float | None, template: Body, progress: Any) -> Character:
-    """The character of a file, by what the file is."""
-    from engines.character import making, meshes, rigged
-    from engines.character.picture import open_picture
-    from engines.formats.files import read_bytes
-
-    if source.suffix.lower() not in (*meshes.KINDS, ".zip"):
-        return making.build(open_picture(source), template, height=height, progress=progress)
-    if source.suffix.lower() == ".glb" and rigged.is_rigged(read_bytes(source, meshes.MAX_BYTES)):
-        return making.from_rigged(rigged.read_rigged(source), source.stem, provenance={"file": source.name})
-    found = meshes.read_mesh(source, height=height)
-    about = {"file": source.name, "remarks": list(found.remarks)}
-    return making.from_mesh(found.surface, template, source.stem, provenance=about, progress=progress)
 
 
 def _motion(file: Path | None, action: str | None, prompt: str | None, seconds: float, **told: Any) -> Motion:

@@ -16,6 +16,7 @@ from studio.settings import MAX_BEST_OF, MAX_COUNT, MAX_GUIDANCE, MAX_PROMPT
 from studio.understanding import Understanding
 from studio.varying import VARIES
 from studio.views.binding import follow, tie
+from studio.views.character import character_form
 from studio.views.forms import column, dressed, fold, html, row
 from studio.views.parts import (
     ASSETS,
@@ -54,8 +55,11 @@ def compose_tabs(session: Session) -> Segments:
         words = [("text", "Text")] if "text" in state.capabilities else []
         styles = [("style", "Style")] if session.styling.state.engine else []
         variations = [("vary", "Vary")] if state.capabilities & VARIES else []
-        first, last = [("action", "Action"), *words, ("sequence", "Sequence")], ("import", "Import")
-        return {"options": [*first, *styles, *variations, last]}
+        first, last = (
+            [("action", "Action"), *words, ("sequence", "Sequence")],
+            [("character", "Character"), ("import", "Import")],
+        )
+        return {"options": [*first, *styles, *variations, *last]}
 
     follow(tabs, state, ["capabilities"], kinds)
     return tabs
@@ -68,17 +72,17 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
     folds = column(_constraints(session), _advanced(session), gap=6)
     asked = column(field, words, _shape(session), folds, gap=10)
     files = column(_upload(session), html(_readable()), gap=18)
-    varied, styled = vary(session), style_form(session)
+    varied, styled, cast = vary(session), style_form(session), character_form(session)
 
     def show(*_: Any) -> None:
         tab = state.compose_tab
         asked.visible, files.visible, varied.visible = tab in ("action", "text"), tab == "import", tab == "vary"
-        styled.visible = tab == "style"
+        styled.visible, cast.visible = tab == "style", tab == "character"
         field.visible, words.visible = tab != "text", tab == "text"
 
     state.param.watch(show, "compose_tab")
     show()
-    return column(asked, sequence_form(session), styled, varied, files, gap=0)
+    return column(asked, sequence_form(session), styled, varied, cast, files, gap=0)
 
 
 def _prompt(session: Session) -> Prompt:
@@ -310,7 +314,7 @@ def _upload(session: Session) -> Upload:
     part.on("open", lambda _: state.param.update(compose_tab="import"))
 
     def active() -> dict[str, Any]:
-        return {"active": not session.styling.wants_a_file()}
+        return {"active": not (session.styling.wants_a_file() or session.casting.wants_a_file())}
 
     follow(part, state, ["compose_tab"], active)
     follow(part, session.styling.state, ["way"], active)

@@ -283,6 +283,30 @@ class Upload(Part):
     _stylesheets = _style("upload")
 
 
+class Portrait(Part):
+    """A person in a picture: landmarks to drag, a silhouette to paint."""
+
+    picture = param.String("", doc="Data URI; empty: none.")
+    size = param.List([1, 1], doc="Of the picture itself, pixels: width, height.")
+    names = param.List([], doc="[name, words] of each landmark.")
+    bones = param.List([], doc="[name, name] of each line between two.")
+    points = param.Dict({}, doc="Name -> [x, y], pixels.")
+    mask = param.String("", doc="Data URI of a picture whose transparency is the silhouette.")
+    changes = param.Integer(0, doc="How many corrections there are to take back.")
+    _esm = _script("portrait")
+    _stylesheets = _style("portrait")
+
+
+class Cast(Part):
+    """The characters that are kept."""
+
+    names = param.List([])
+    worn = param.String("")
+    error = param.String("")
+    _esm = _script("cast")
+    _stylesheets = _style("cast")
+
+
 class BodyPanel(Part):
     """The body that takes are shown with, and the bones of those to come."""
 

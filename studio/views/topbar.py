@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from engines import __version__
-from studio import links
+from studio import casting, links
 from studio.session import Session
 from studio.views.binding import follow, tie
 from studio.views.parts import Page, ProjectList, TopBar
@@ -62,11 +62,14 @@ def page(session: Session, bar: TopBar) -> Page:
         state.inspector_tab = "export"
 
     for part in (bar, whole):
-        part.on("undo", lambda _: session.undo())
         part.on("redo", lambda _: session.redo())
         part.on("import", import_file)
         part.on("export", show_export)
-    whole.on("generate", lambda _: session.styling.stylise() if state.compose_tab == "style" else session.generate())
+    bar.on("undo", lambda _: session.undo())
+    # the key takes back a correction of a picture first, as in any program that draws
+    whole.on("undo", lambda _: (session.casting.wants_a_file() and session.casting.undo()) or session.undo())
+    made = {"style": session.styling.stylise, casting.TAB: session.casting.make}
+    whole.on("generate", lambda _: made.get(state.compose_tab, session.generate)())
     return whole
 
 
