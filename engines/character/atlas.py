@@ -57,9 +57,8 @@ def unwrapped(surface: Surface, size: int = SIZE) -> Surface:
         size: texels along a side of the texture to come, which tells how wide the gaps are.
     """
     limb = _limbs(surface)
-    frames = {int(number): _frame(surface, limb, number) for number in np.unique(limb)}
-    turned = np.stack([frames[number] for number in range(max(frames) + 1) if number in frames])
-    place = np.searchsorted(sorted(frames), limb)
+    numbers, place = np.unique(limb, return_inverse=True)
+    turned = np.stack([_frame(surface, limb, number) for number in numbers.tolist()])
     chart, way = _charts(surface, limb, turned[place])
     corner = surface.faces + chart[:, None] * len(surface.vertices)  # one vertex for each chart it lies in
     names, faces = np.unique(corner, return_inverse=True)

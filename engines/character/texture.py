@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, UInt8
+from jaxtyping import Bool, Float, Num, UInt8
 from PIL import Image
 from scipy import ndimage
 
@@ -43,7 +43,9 @@ class Front:
     view: View
 
     @classmethod
-    def of(cls, surface: Surface, picture: Picture, mask: Float[np.ndarray, "H W"], view: View) -> Front:
+    def of(
+        cls, surface: Surface, picture: Picture, mask: Float[np.ndarray, "H W"] | Bool[np.ndarray, "H W"], view: View
+    ) -> Front:
         """The part of a picture that shows a surface, in the pose the surface has.
 
         Args:
@@ -103,7 +105,7 @@ def painted(
     return surface.replaced(colours=np.round(colours).clip(0, 255).astype(np.uint8))
 
 
-def interpolated(shown: Buffer, faces: np.ndarray, values: Float[np.ndarray, "N D"]) -> Float[np.ndarray, "P D"]:
+def interpolated(shown: Buffer, faces: np.ndarray, values: Num[np.ndarray, "N D"]) -> Float[np.ndarray, "P D"]:
     """(P, D) values of vertices (N, D) at the pixels of `shown.mask`, row by row."""
     corners = np.asarray(values, np.float64)[faces[shown.faces[shown.mask]]]  # (P, 3, D)
     return np.einsum("pk,pkd->pd", shown.weights[shown.mask], corners)
