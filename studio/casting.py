@@ -95,7 +95,7 @@ class CastingState(param.Parameterized):
     height: Any = param.Number(None, allow_None=True, bounds=(SHORTEST, TALLEST), doc="Metres; None: not known.")
     making = param.Boolean(False, doc="The character is being made.")
     progress = param.Number(0.0, bounds=(0, 1), doc="How far it is.")
-    words = param.String("", doc="What is being done, or what came of it.")
+    words = param.String("", doc="What is being done.")
     make_error = param.String("", doc="Why it could not be made.")
     characters = param.List([], doc="Names of those that are kept.")
     list_error = param.String("", doc="Why one of them could not be renamed or deleted.")
@@ -141,7 +141,7 @@ class Casting:
         if state.looking or state.making:
             state.error = f"{name}: one at a time; wait for {state.looking or state.called}, or cancel it."
             return
-        state.param.update(looking=name, error="", words="", make_error="")
+        state.param.update(looking=name, error="", make_error="")
 
         def work(_progress: Any, _cancel: Any) -> tuple[Likeness, str]:
             found = likeness.find(data, name)
@@ -160,11 +160,6 @@ class Casting:
                 )
 
         self._job = self.session.submit(f"look at {name}", work, show, lane="file")
-
-    def close(self) -> None:
-        """Put the file away."""
-        self._seen, self._data = None, b""
-        self.state.param.update(file="", found=None, picture="", corrections=(), words="", make_error="", error="")
 
     # ---- corrections --------------------------------------------------------------------------------------
 
@@ -218,10 +213,10 @@ class Casting:
         if state.making or self.problem():
             return
         name, file, found, height, data = state.called.strip(), state.file, state.found, state.height, self._data
-        state.param.update(making=True, progress=0.0, words="", make_error="")
-        said = [""]
+        state.param.update(making=True, progress=0.0, words="Starting …", make_error="")
+        said = [state.words]
 
-        def work(progress: Any, cancel: Any) -> tuple[str, tuple[str, ...]]:
+        def work(progress: Any, cancel: Any) -> str:
             def tell(share: float, words: str) -> None:
                 said[0] = f"{words} …"
                 progress(round(100 * share), 100)
@@ -230,7 +225,7 @@ class Casting:
             made = likeness.make(
                 source, bodies.get("anny"), file, name=name, height=height, progress=tell, cancel=cancel
             )
-            return kept.save(made, name), tuple(made.provenance.get("remarks", ()))
+            return kept.save(made, name)
 
         def show(job: Job) -> None:
             state.param.update(progress=job.fraction, words=said[0])
@@ -245,12 +240,13 @@ class Casting:
             self._job.cancel()
 
     def _made(self, job: Job, name: str) -> None:
-        words = {"cancelled": "Cancelled.", "done": f"{name} is worn by the takes of this project."}
-        self.state.param.update(making=False, make_error=job.error, words=words.get(job.status, ""))
-        if job.status == "done":
-            key, _remarks = job.result
-            self.session.dressing.renew(key)
-            self.session.dressing.wear(key)
+        self.state.param.update(making=False, make_error=job.error, words="")
+        if job.status == "cancelled":
+            self.session.state.message = f"Cancelled: {name}"
+        elif job.status == "done":
+            self.session.dressing.renew(job.result)
+            self.session.dressing.wear(job.result)
+            self.session.state.message = f"{name} is worn by the takes of this project."
 
     # ---- those that are kept ------------------------------------------------------------------------------
 

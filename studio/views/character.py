@@ -129,7 +129,7 @@ def character_button(session: Session) -> Generate:
     """The button, what is being done, and how far it is."""
     state, casting = session.state, session.casting
     button = Generate(label="Make the character", sizing_mode="stretch_width", margin=0)
-    tie(button, casting.state, busy="making", progress="progress", error="make_error", note="words")
+    tie(button, casting.state, busy="making", progress="progress", error="make_error", doing="words")
 
     def show() -> dict[str, Any]:
         return {

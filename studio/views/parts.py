@@ -248,6 +248,7 @@ class Generate(Part):
     forecast = param.String("")
     error = param.String("")
     note = param.String("", doc="What of the last draw's pins could not be met.")
+    doing = param.String("", doc="What is being done, said under the bar.")
     _esm = _script("generate")
     _stylesheets = _style("generate")
 

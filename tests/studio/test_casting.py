@@ -92,7 +92,11 @@ def test_a_picture_is_seen_corrected_made_and_worn(cast, settle, sighting):
     assert casting.problem() == ""
     casting.make()
     settle(cast)
-    assert (state.make_error, state.making, state.words) == ("", False, "ada is worn by the takes of this project.")
+    assert (state.make_error, state.making, cast.state.message) == (
+        "",
+        False,
+        "ada is worn by the takes of this project.",
+    )
     assert (cast.state.body, state.characters) == ("character:ada", ["ada"])
     assert cast.state.worn.name == "character:ada", "the stage wears it"
     from engines.character.character import load

@@ -1,5 +1,5 @@
-"""The studio with quick stand-ins for an engine that takes styles, words and pins, and for one that puts takes in other
-manners: `motionloom`'s own arguments.
+"""The studio with quick stand-ins for an engine that takes styles, words and pins, for one that puts takes in other
+manners, and for what makes a character of a picture: `motionloom`'s own arguments.
 
 What the engine is told goes, a line of JSON a draw, to the file that $MOTIONLOOM_TEST_TOLD names.
 """
@@ -14,9 +14,14 @@ from typing import Any
 import numpy as np
 
 from engines import Motion, registry
+from engines.character import landmarks, making
+from engines.character.character import Character
+from engines.character.mesh import Surface
+from engines.character.sighting import Sighting
 from engines.loom.constraints import Constraints
 from studio import cli, settings
 from tests.studio.fakes import ConstrainedEngine, FakeStyliser
+from viewers.bodies import Body
 
 NAME = "stand-in"
 
@@ -47,6 +52,20 @@ def in_json(constraints: Constraints | None) -> dict[str, Any]:
     }
 
 
+def build(seen: Sighting, template: Body, *, name: str, progress: Any, **_told: Any) -> Character:
+    """The template itself, as wide as the hands are apart in the picture."""
+    progress(0.5, "Fitting a body")
+    across = abs(np.subtract(*seen.points[[landmarks.index(f"{side}_wrist") for side in ("left", "right")], 0]))
+    return Character(
+        name=name,
+        surface=Surface(template.vertices * (across / seen.picture.size[0], 1, 1), template.faces.astype(np.int64)),
+        skin_indices=template.skin_indices.astype(np.uint16),
+        skin_weights=template.skin_weights.astype(np.float32),
+        hold=np.ones(len(template.vertices), np.float32),
+        skeleton=template.skeleton,
+    )
+
+
 def main() -> None:
     """Register the stand-ins, one as the engine a newcomer meets, and start."""
     known = registry.available
@@ -54,6 +73,7 @@ def main() -> None:
     registry.available = lambda: {NAME: "a stand-in", **known()}  # type: ignore[method-assign]
     registry._STYLISERS = {"restyler": ("a stand-in", lambda **_options: FakeStyliser())}
     registry.stylisers = lambda: {"restyler": "a stand-in"}
+    making.build = build  # type: ignore[assignment]
     settings.DEFAULT_ENGINE = NAME
     cli.main()
 

@@ -11,7 +11,10 @@ from tests.ui.conftest import Tab
 
 AXE = files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
 GRAVE = ("serious", "critical")
-OPEN = (("Action", "Details"), ("Text", "Body"), ("Sequence", "Details"), ("Vary", "Export"), ("Import", "Details"))
+OPEN = (
+    ("Action", "Details"), ("Text", "Body"), ("Sequence", "Details"), ("Vary", "Export"), ("Character", "Details"),
+    ("Import", "Details"),
+)  # fmt: skip
 """Tabs of the left and of the right panel that are looked at together: each at least once."""
 
 
