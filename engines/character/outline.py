@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Integer
+from jaxtyping import Float, Integer, Shaped
 from scipy.ndimage import gaussian_filter
 
 from engines.character.depth import rasterised
@@ -95,7 +95,7 @@ def reduced(mask: Float[np.ndarray, "H W"], view: View, height: int) -> tuple[Fl
     return small, View(view.scale / block, (view.centre[0] / block, view.centre[1] / block))
 
 
-def overlap(one: Float[np.ndarray, "H W"], other: Float[np.ndarray, "H W"]) -> float:
-    """Intersection over union of two masks."""
+def overlap(one: Shaped[np.ndarray, "H W"], other: Shaped[np.ndarray, "H W"]) -> float:
+    """Intersection over union of two masks, of truth or of shares from 0 to 1."""
     first, second = one >= 0.5, other >= 0.5
     return float((first & second).sum() / max((first | second).sum(), 1))

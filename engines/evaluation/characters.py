@@ -13,6 +13,7 @@ from engines.character.depth import rasterised
 from engines.character.fitting import fit
 from engines.character.making import facing
 from engines.character.mesh import Surface
+from engines.character.outline import overlap
 from engines.character.picture import Picture
 from engines.character.sighting import Sighting
 from engines.character.surface import clothed
@@ -109,11 +110,6 @@ def framed(vertices: Float[np.ndarray, "N 3"], height: int) -> tuple[View, tuple
     return View(scale, (width / 2 - scale * middle[0], height / 2 + scale * middle[1])), (width, height)
 
 
-def overlap(one: Bool[np.ndarray, "H W"], other: Bool[np.ndarray, "H W"]) -> float:
-    """Intersection over union of two silhouettes."""
-    return float((one & other).sum() / max((one | other).sum(), 1))
-
-
 def chamfer(one: Float[np.ndarray, "N 3"], other: Float[np.ndarray, "M 3"]) -> float:
     """Mean distance to the other's nearest point, both ways averaged, metres."""
     there, back = KDTree(other).query(one)[0].mean(), KDTree(one).query(other)[0].mean()
@@ -181,7 +177,7 @@ def measured(known: Known, template: Template, sighting: Sighting) -> dict[str, 
         return back_error(known, coloured.replaced(vertices=over))
 
     return {
-        "mask": overlap(sighting.mask > 0.5, mask),
+        "mask": overlap(sighting.mask, mask),
         "body": overlap(silhouette(found.vertices, found.template.faces), mask),
         "clothed": overlap(silhouette(surface.vertices, surface.faces), mask),
         "joints": 1000 * float(np.linalg.norm(joints + deeper - known.joints, axis=1).mean()),

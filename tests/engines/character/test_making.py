@@ -11,10 +11,11 @@ from engines.character import making, models
 from engines.character.character import Character
 from engines.character.depth import rasterised
 from engines.character.mesh import Surface
+from engines.character.outline import overlap
 from engines.character.rigged import Rigged
 from engines.character.template import posed_vertices
 from engines.errors import Cancelled, FormatError
-from engines.evaluation.characters import Known, back_error, framed, overlap, standing
+from engines.evaluation.characters import Known, back_error, framed, standing
 from engines.geometry.rotations import matrix_to_quaternion
 from engines.motion import Motion
 from engines.skeletons import SMPL22
