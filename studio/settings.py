@@ -48,6 +48,7 @@ AMASS .npz."""
 EDITS = ("smooth", "feet", "loop", "mirror", "in_place")
 """What may be done to a motion before it is written, in that order; see `studio.edits`."""
 CAMERAS = ("follow", "orbit", "front", "back", "left", "right")
+VIEWS = ("one", "four", "around")
 
 
 def usual_engine() -> str:
@@ -190,6 +191,8 @@ class ExportSettings:
     """Frames a second of the file; null: the motion's own, for videos what is usual for their kind."""
     camera: str = "follow"
     """Video: follow, orbit, front, back, left or right."""
+    views: str = "one"
+    """Video: one; four (front, side, top and orbit) or around (all sides) in one picture, without `camera`."""
     edits: tuple[str, ...] = ()
     """Done to the motion first: smooth, feet (held where they stand), loop, mirror, in_place."""
     body: str = ""
@@ -211,6 +214,8 @@ class ExportSettings:
                 raise UnknownLabelError("export format", name, FORMATS)
         if self.camera not in CAMERAS:
             raise UnknownLabelError("camera", self.camera, CAMERAS)
+        if self.views not in VIEWS:
+            raise UnknownLabelError("views", self.views, VIEWS)
         for name in ("width", "height"):
             value = getattr(self, name)
             if value is not None and (not 64 <= value <= 4096 or value % 2):
@@ -327,6 +332,7 @@ def write_settings(settings: Settings, path: str | Path) -> Path:
 _TYPES: dict[str, tuple[type, ...]] = {
     "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
     "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
+    "views": (str,),
     "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),
     "then": (list,), "blend": (dict,), "sequence": (dict,), "width": (int, type(None)), "height": (int, type(None)),
     "fps": (int, float, type(None)), "body": (str,), "shape": (dict,), "given": (dict, type(None)),

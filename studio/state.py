@@ -20,6 +20,7 @@ from studio.settings import (
     MAX_PROMPT,
     MAX_SEED,
     VIDEO_FORMATS,
+    VIEWS,
     ExportSettings,
     GenerateSettings,
     usual_engine,
@@ -150,6 +151,7 @@ class StudioState(param.Parameterized):
     export_camera = param.Selector(
         default="follow", objects=["follow", "orbit", "front", "back", "left", "right"], doc="Video camera."
     )
+    export_views = param.Selector(default="one", objects=list(VIEWS), doc="Sides that a video shows at once.")
     export_status = param.Selector(
         default="idle", objects=["idle", "queued", "running", "done", "failed", "cancelled"], doc="Of the last export."
     )
@@ -231,8 +233,9 @@ class StudioState(param.Parameterized):
         """How an export would be written."""
         width, height = self.export_size if self.export_format in VIDEO_FORMATS else (None, None)
         return ExportSettings(
-            (self.export_format,), width, height, None, self.export_camera, body=self.body, shape=dict(self.shape)
-        )
+            (self.export_format,), width, height, None, self.export_camera, self.export_views, body=self.body,
+            shape=dict(self.shape),
+        )  # fmt: skip
 
     def problem(self) -> str:
         """Why Generate cannot be pressed; empty when it can."""

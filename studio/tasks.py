@@ -182,7 +182,7 @@ def edited(motion: Motion, settings: ExportSettings) -> Motion:
 
 def _video(settings: ExportSettings) -> dict[str, Any]:
     """What a renderer of videos is told."""
-    return {name: getattr(settings, name) for name in ("width", "height", "fps", "camera")}
+    return {name: getattr(settings, name) for name in ("width", "height", "fps", "camera", "views")}
 
 
 def _body(settings: ExportSettings) -> Any:

@@ -66,8 +66,8 @@ def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
     fps: FpsOption = None,
     camera: CameraOption = None,
     views: Annotated[
-        Views, typer.Option(help="four: front, side, top and orbit in one picture; around: all sides.")
-    ] = Views.one,
+        Views | None, typer.Option(help="four: front, side, top and orbit in one picture; around: all sides. [one]")
+    ] = None,
     show: Annotated[Show, typer.Option(help="Skin, stick figure, or both.")] = Show.body,
     body: Annotated[
         str | None,
@@ -106,7 +106,9 @@ def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
     if out.suffix and out.suffix.lower() != ".html" and format_of(out) not in VIDEO_FORMATS:
         accepted = [f".{f}" for f in VIDEO_FORMATS] + [".html"]
         raise OutOfRangeError("--out", str(out), "a file ending in " + " or ".join(accepted) + ", or a folder")
-    wanted = settings_from(settings, width=width, height=height, fps=fps, camera=camera)
+    wanted = settings_from(
+        settings, width=width, height=height, fps=fps, camera=camera, views=views.value if views else None
+    )
     import engines
     from viewers import bodies
 
@@ -123,7 +125,7 @@ def render(  # noqa: PLR0913, PLR0917 (one parameter an option)
         typer.echo(_write_page(motion, out, drawn, backdrop, wanted.export))
         return
     with progress_bar(out.name) as progress:
-        typer.echo(_write(motion, out, drawn, (backdrop, views), wanted.export, progress))
+        typer.echo(_write(motion, out, drawn, backdrop, wanted.export, progress))
 
 
 def _scene(motion: Motion, drawn: dict[str, Any], backdrop: Backdrop, export: ExportSettings) -> Any:
@@ -140,17 +142,17 @@ def _write(  # noqa: PLR0913, PLR0917 (what the command was told)
     motion: Motion,
     out: Path,
     drawn: dict[str, Any],
-    look: tuple[Backdrop, Views],
+    backdrop: Backdrop,
     export: ExportSettings,
     progress: Any,
 ) -> Path:
     """A video, or a folder of pictures."""
     from viewers import video
 
-    scene = _scene(motion, drawn, look[0], export)
-    video_settings = {name: getattr(export, name) for name in ("width", "height", "fps")}
+    scene = _scene(motion, drawn, backdrop, export)
+    video_settings = {name: getattr(export, name) for name in ("width", "height", "fps", "views")}
     write = video.render if out.suffix else video.render_pngs
-    return write(scene, out, progress=progress, views=look[1].value, **video_settings)
+    return write(scene, out, progress=progress, **video_settings)
 
 
 def _write_page(motion: Motion, out: Path, drawn: dict[str, Any], backdrop: Backdrop, export: ExportSettings) -> Path:

@@ -33,6 +33,7 @@ SIZES = {
     "gif": {"480 × 270": (480, 270), "640 × 360": (640, 360), "400 × 400": (400, 400)},
 }
 CAMERAS = {"Follow": "follow", "Still": "orbit", "Front": "front", "Back": "back", "Left": "left", "Right": "right"}
+VIEWS = {"One": "one", "Four: front, side, top, orbit": "four", "All sides": "around"}
 MOST_BLOCKS = 12
 """Lines on the blocks of a sequence."""
 _ABOUT = {
@@ -216,11 +217,13 @@ def _export(session: Session) -> pn.Column:
     kind = Segments(options=FORMATS, label="File format", sizing_mode="stretch_width", margin=0)
     size = dressed(pn.widgets.Select, label="Size", options=SIZES["mp4"])
     camera = dressed(pn.widgets.Select, label="Camera", options=CAMERAS)
+    views = dressed(pn.widgets.Select, label="Views", options=VIEWS)
     about = html()
     tie(kind, state, value="export_format")
     tie(size, state, value="export_size")
     tie(camera, state, value="export_camera")
-    video = row(size, camera)
+    tie(views, state, value="export_views")
+    video = row(size, camera, views, wrap=118)
 
     def show(*_: Any) -> None:
         sizes = SIZES.get(state.export_format)

@@ -44,9 +44,10 @@ def test_what_stands_in_the_way_is_said(state):
 
 
 def test_export_settings_follow_the_controls(state):
-    state.param.update(export_format="gif", export_size=(720, 720), export_camera="front")
+    state.param.update(export_format="gif", export_size=(720, 720), export_camera="front", export_views="around")
     asked = state.export_settings()
-    assert (asked.formats, asked.width, asked.height, asked.camera) == (("gif",), 720, 720, "front")
+    told = (asked.formats, asked.width, asked.height, asked.camera, asked.views)
+    assert told == (("gif",), 720, 720, "front", "around")
 
 
 @pytest.fixture
