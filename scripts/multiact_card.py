@@ -1,6 +1,6 @@
 """Write the model card of the shipped MultiAct weights, and the sheet of transitions.
 
-    python scripts/multiact_card.py [--run DIR] [--table DIR] [--reads a,b] [--limits TEXT]
+    python scripts/multiact_card.py [--run DIR] [--table DIR] [--reads "a; b"] [--limits TEXT]
 
 Needs the prepared data (motionloom data prepare). `--table` is a folder that `motionloom evaluate multiact` wrote;
 `--run` is the training's folder, for its losses; `--reads` takes what was looked at in the sheet and is what it says,
