@@ -16,7 +16,7 @@ export function render(part) {
       else if (event.key === "Escape") turn(["", ""])()
     }}), quiet("Cancel", "cross", turn(["", ""]))]
   }
-  const asking = (name) => [h("span", {class: "ask"}, `Delete ${name} for good?`),
+  const asking = (name) => [h("span", {class: "ask"}, `Delete ${name}?`),
     h("button", {class: "btn sure", type: "button", onclick: () => { send("delete", name); turn(["", ""])() }}, "Delete"),
     h("button", {class: "btn", type: "button", onclick: turn(["", ""])}, "Keep")]
   const plain = (name) => [

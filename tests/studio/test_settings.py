@@ -151,6 +151,7 @@ def test_missing_keys_take_their_defaults():
         ('{"export": {"formats": "mp4"}}', "accepted: list"),
         ('{"export": {"width": 641}}', "an even number of pixels"),
         ('{"export": {"camera": "top"}}', "unknown camera 'top'"),
+        ('{"export": {"views": "all"}}', "unknown views 'all'"),
     ],
 )
 def test_what_is_not_understood_is_refused_with_what_is(text, says):
