@@ -1,10 +1,11 @@
 """Write Loom's model card and the pictures of all actions and styles.
 
-    python scripts/loom_card.py [--run DIR] [--reads a,b] [--limits TEXT] [--draws N]
+    python scripts/loom_card.py [--run DIR] [--table DIR] [--reads a,b] [--limits TEXT] [--draws N]
 
 Needs the prepared data (motionloom data prepare) for the held-out figures. What a picture shows a person has to judge:
 `--reads` takes the actions and styles that were looked at and are what they say, `--limits` what else was seen. Both
-are kept in the settings beside the weights. `--run` is the training's folder, for the curves of its losses.
+are kept in the settings beside the weights. `--run` is the training's folder, for the curves of its losses; `--table`
+is a folder that `motionloom evaluate loom action2motion:all` wrote.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from model_card import POSES, curves, losses, poses
+from model_card import POSES, curves, losses, ours, poses
 from PIL import Image, ImageDraw
 
 from engines import datasets, load
@@ -107,7 +108,11 @@ By action: {by_action}.
 
 By style: {by_style}.
 
-Beside the published engines: the table in README.md (`motionloom evaluate loom action2motion --out report/`).
+## Beside the published engines
+
+`motionloom evaluate loom action2motion:all --repeats 20 --motions 500 --out report/`
+
+{extra.get("table", "Not measured.")}
 
 ## Losses
 
@@ -152,6 +157,7 @@ def main() -> None:
     parser.add_argument("--reads", default=None, help="actions and styles that read, comma-separated")
     parser.add_argument("--limits", default=None, help="what falls short, in sentences")
     parser.add_argument("--run", type=Path, default=None, help="folder of the training, for its losses")
+    parser.add_argument("--table", type=Path, default=None, help="folder of a report")
     parser.add_argument("--draws", type=int, default=8, help="motions an action")
     options = parser.parse_args()
     settings = SHIPPED / "loom.json"
@@ -160,6 +166,8 @@ def main() -> None:
         stored["extra"]["reads"] = [name.strip() for name in options.reads.split(",") if name.strip()]
     if options.limits is not None:
         stored["extra"]["limits"] = options.limits
+    if options.table is not None:
+        stored["extra"]["table"] = ours((options.table / "table.md").read_text())
     if options.run is not None:
         drawn = "docs/losses-loom.webp"
         stored["extra"]["losses"] = curves(options.run, ROOT / drawn) | {"picture": drawn}

@@ -132,6 +132,11 @@ def losses(extra: Mapping[str, Any]) -> str:
     return f"Weighted terms, mean of the last {last['steps']} steps: {terms}.{curves}"
 
 
+def ours(report: str) -> str:
+    """Of a report the table and its notes, without title and the papers' figures."""
+    return report.partition("\n")[2].partition("## The papers")[0].strip()
+
+
 def curves(run: Path, path: Path) -> dict[str, Any]:
     """Draw the history of a training; its last line as what the card keeps."""
     from matplotlib import pyplot

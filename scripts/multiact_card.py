@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 from loom_card import sheet
-from model_card import curves, losses
-from stylization_card import ours
+from model_card import curves, losses, ours
 
 from engines import datasets, load
 from engines.datasets import Clip

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from loom_card import sheet
-from model_card import curves, losses
+from model_card import curves, losses, ours
 
 from engines import datasets, load
 from engines.datasets import Clip
@@ -125,11 +125,6 @@ Looked at and what they are: {", ".join(extra.get("reads", [])) or "none yet"}.
 
 {extra.get("limits", "")}
 """
-
-
-def ours(report: str) -> str:
-    """Of a report the table and its notes, without title and the papers' figures."""
-    return report.partition("\n")[2].partition("## The papers")[0].strip()
 
 
 def main() -> None:
