@@ -153,7 +153,7 @@ def test_controls_are_there_where_the_engine_has_them(started, engine, settle, m
     (pins,), (prompt,) = form.select(Constraints), form.select(Prompt)
     labels = {part.name: part for part in form.select(lambda part: getattr(part, "label", None)) if part.visible}
     assert {"Style"} <= {part.label for part in labels.values()}
-    always = ["sequence", "style", "import"]
+    always = ["sequence", "style", "character", "import"]
     assert [value for value, _ in tabs.options] == ["action", "text", *always]
     assert (pins.visible, prompt.visible) == (True, False)
     started.state.compose_tab = "text"
