@@ -335,13 +335,7 @@ class LoomEngine:
         pinned: Constraints = NOTHING,
     ) -> list[Motion]:
         """With labels and provenance."""
-        labels: list[Segment] = []
-        at = 0
-        for request, frames in segments:
-            for kind, value in (("action", request.action), ("style", request.style), ("text", request.prompt)):
-                if value:
-                    labels.append(Segment(at, at + frames, kind, value))  # type: ignore[arg-type]
-            at += frames
+        labels = output.labels(segments, pinned, FPS)
         name = " > ".join(request.name for request, _ in segments)
         made = []
         for index, motion in zip(indices, motions, strict=True):
@@ -351,7 +345,7 @@ class LoomEngine:
                 told["unmet"] = missed
             if bone_scale:
                 told["bone_scale"] = dict(bone_scale)
-            done = motion.replaced(labels=tuple(labels), provenance=self._origin(name, seed, index, told))
+            done = motion.replaced(labels=labels, provenance=self._origin(name, seed, index, told))
             made.append(done.scale_bones(bone_scale) if bone_scale else done)
         return made
 

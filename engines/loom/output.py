@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from torch import Tensor
@@ -10,8 +12,11 @@ from torch import Tensor
 from engines.loom.constraints import Constraints, Known, words
 from engines.loom.footing import on_feet
 from engines.loom.representation import decode
-from engines.motion import Motion
+from engines.motion import Motion, Segment
 from engines.skeletons import SMPL22
+
+if TYPE_CHECKING:
+    from engines.loom.passes import Request
 
 _NEAR = {"pin": 0.08, "path": 0.15}
 """Metres within which a pinned joint or a path counts as met."""
@@ -64,3 +69,18 @@ def unmet(motion: Motion, constraints: Constraints) -> list[str]:
         if gap > _NEAR["path"]:
             said.append(f"The body leaves the path by up to {100 * gap:.0f} cm.")
     return said
+
+
+def labels(segments: Sequence[tuple[Request, int]], pinned: Constraints, fps: float) -> tuple[Segment, ...]:
+    """What is done when; what a motion goes on from keeps its own name."""
+    given = [keep for keep in pinned.kept if keep.at == 0 and keep.placed and not keep.parts and len(keep.motion) > 1]
+    begun = max((len(keep.motion.resample(fps)) for keep in given), default=0)
+    found = [Segment(0, begun, "action", given[0].motion.label_at(0) or "given")] if begun else []
+    at = 0
+    for request, frames in segments:
+        start, end = max(at, begun), at + frames
+        for kind, value in (("action", request.action), ("style", request.style), ("text", request.prompt)):
+            if value and start < end:
+                found.append(Segment(start, end, kind, value))  # type: ignore[arg-type]
+        at = end
+    return tuple(found)

@@ -266,3 +266,9 @@ def test_a_pin_may_lie_where_an_action_is_usually_over(engine: LoomEngine) -> No
     pins = (Pin("left_wrist", 150, (0.3, 1.0, 0.3)),)
     motion = engine.generate("throw", 160, constraints=Constraints(pins=pins))
     assert (len(motion), motion.label_at(159)) == (160, "throw")
+
+
+def test_what_a_motion_goes_on_from_keeps_its_name(engine: LoomEngine) -> None:
+    walk = engine.generate("walk", 40, seed=1)
+    on = engine.generate("throw", 60, seed=2, constraints=Constraints(kept=(Keep(walk[:20]),)))
+    assert [(part.start, part.end, part.value) for part in on.labels] == [(0, 20, "walk"), (20, 60, "throw")]
