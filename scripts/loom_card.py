@@ -15,7 +15,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from model_card import POSES, curves, losses, ours, poses
+from model_card import POSES, curves, keep_looks, losses, ours, poses
 from PIL import Image, ImageDraw
 
 from engines import datasets, load
@@ -162,10 +162,7 @@ def main() -> None:
     options = parser.parse_args()
     settings = SHIPPED / "loom.json"
     stored = json.loads(settings.read_text())
-    if options.reads is not None:
-        stored["extra"]["reads"] = [name.strip() for name in options.reads.split(",") if name.strip()]
-    if options.limits is not None:
-        stored["extra"]["limits"] = options.limits
+    keep_looks(stored["extra"], options.reads, options.limits)
     if options.table is not None:
         stored["extra"]["table"] = ours((options.table / "table.md").read_text())
     if options.run is not None:

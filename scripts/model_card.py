@@ -137,6 +137,14 @@ def ours(report: str) -> str:
     return report.partition("\n")[2].partition("## The papers")[0].strip()
 
 
+def keep_looks(extra: dict[str, Any], reads: str | None, limits: str | None) -> None:
+    """Keep what a person saw in pictures: what reads, comma-separated, and what falls short; what is not said stays."""
+    if reads is not None:
+        extra["reads"] = [name.strip() for name in reads.split(",") if name.strip()]
+    if limits is not None:
+        extra["limits"] = limits
+
+
 def curves(run: Path, path: Path) -> dict[str, Any]:
     """Draw the history of a training; its last line as what the card keeps."""
     from matplotlib import pyplot
@@ -168,10 +176,7 @@ def main() -> None:
     sheet(engine, ROOT / picture)
     settings = WEIGHTS / f"action2motion-{options.variant}.json"
     stored = json.loads(settings.read_text())
-    if options.reads is not None:
-        stored["extra"]["reads"] = [name.strip() for name in options.reads.split(",") if name.strip()]
-    if options.limits is not None:
-        stored["extra"]["limits"] = options.limits
+    keep_looks(stored["extra"], options.reads, options.limits)
     if options.run is not None:
         drawn = f"docs/losses-{options.variant}.webp"
         stored["extra"]["losses"] = curves(options.run, ROOT / drawn) | {"picture": drawn}

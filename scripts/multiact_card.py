@@ -1,6 +1,6 @@
 """Write the model card of the shipped MultiAct weights, and the sheet of transitions.
 
-    python scripts/multiact_card.py [--run DIR] [--table DIR] [--reads "a; b"] [--limits TEXT]
+    python scripts/multiact_card.py [--run DIR] [--table DIR] [--reads a,b] [--limits TEXT]
 
 Needs the prepared data (motionloom data prepare). `--table` is a folder that `motionloom evaluate multiact` wrote;
 `--run` is the training's folder, for its losses; `--reads` takes what was looked at in the sheet and is what it says,
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from loom_card import sheet
-from model_card import curves, losses, ours
+from model_card import curves, keep_looks, losses, ours
 
 from engines import datasets, load
 from engines.datasets import Clip
@@ -133,16 +133,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--run", type=Path, help="folder of the training, for its losses")
     parser.add_argument("--table", type=Path, help="folder of a report")
-    parser.add_argument("--reads", help="what reads in the sheet, separated by semicolons")
+    parser.add_argument("--reads", help="what reads in the sheet, comma-separated")
     parser.add_argument("--limits", help="what falls short, in sentences")
     options = parser.parse_args()
     settings = SHIPPED / "multiact.json"
     config = json.loads(settings.read_text())
     extra = config["extra"]
-    if options.reads is not None:
-        extra["reads"] = [name.strip() for name in options.reads.split(";") if name.strip()]
-    if options.limits is not None:
-        extra["limits"] = options.limits
+    keep_looks(extra, options.reads, options.limits)
     if options.table is not None:
         extra["table"] = ours((options.table / "table.md").read_text())
     if options.run is not None:

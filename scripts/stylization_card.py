@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from loom_card import sheet
-from model_card import curves, losses, ours
+from model_card import curves, keep_looks, losses, ours
 
 from engines import datasets, load
 from engines.datasets import Clip
@@ -139,10 +139,7 @@ def main() -> None:
     settings = SHIPPED / f"stylization-{options.variant}.json"
     stored = json.loads(settings.read_text())
     extra = stored["extra"]
-    if options.reads is not None:
-        extra["reads"] = [name.strip() for name in options.reads.split(",") if name.strip()]
-    if options.limits is not None:
-        extra["limits"] = options.limits
+    keep_looks(extra, options.reads, options.limits)
     if options.tables:
         extra["tables"] = [ours((folder / "table.md").read_text()) for folder in options.tables]
     if options.run is not None:
