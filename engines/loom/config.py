@@ -47,6 +47,9 @@ class LoomConfig(Config):
     """A label with n clips is drawn with a chance proportional to n ** label_balance."""
     style_balance: float = 0.3
     """A clip of a style that n clips have is drawn with a chance proportional to n ** -style_balance besides."""
+    emphasised: tuple[str, ...] = ()
+    """Actions whose clips are drawn `emphasis` times as often: those that a training before did not learn well."""
+    emphasis: float = 3.0
     unconditional: float = 0.1
     """Share of training windows that are told nothing of what they show."""
     wordy: float = 0.4
@@ -84,6 +87,8 @@ class LoomConfig(Config):
         for name in ("unconditional", "wordy", "both", "constrained"):
             if not 0 <= getattr(self, name) <= 1:
                 raise OutOfRangeError(name, getattr(self, name), "0 to 1")
+        if self.emphasis <= 0:
+            raise OutOfRangeError("emphasis", self.emphasis, "above 0")
         if self.unconditional + self.wordy + self.both > 1:
             raise OutOfRangeError("unconditional + wordy + both", self.unconditional + self.wordy + self.both, "0 to 1")
         return self

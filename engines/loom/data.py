@@ -214,11 +214,12 @@ def _label(name: str | None, names: Sequence[str]) -> int:
 
 
 def _balanced(clips: Sequence[Clip], config: LoomConfig) -> np.ndarray:
-    """(N,) chance of each clip: labels and styles even out, and long clips are drawn more often than short ones."""
+    """(N,) chance of each clip: labels and styles even out, long clips are drawn more often, and emphasised ones."""
     actions, styles = Counter(clip.action for clip in clips), Counter(clip.style for clip in clips)
     weight = np.array([actions[clip.action] ** (config.label_balance - 1.0) for clip in clips])
     weight *= np.array([styles[clip.style] ** -config.style_balance for clip in clips])
     weight *= np.sqrt(np.maximum(1.0, np.array([len(clip.motion) for clip in clips]) / 200))
+    weight *= np.where(np.isin([clip.action or "" for clip in clips], config.emphasised), config.emphasis, 1.0)
     return weight / weight.sum()
 
 

@@ -12,6 +12,7 @@ from torch import Tensor
 
 from engines import datasets, text, weights_file
 from engines.datasets.captions import encoded
+from engines.errors import CheckpointError, UnknownLabelError
 from engines.loom import data
 from engines.loom.config import LoomConfig
 from engines.loom.losses import losses
@@ -22,25 +23,41 @@ from engines.training.devices import launch, share_of
 from engines.training.loop import TrainingPlan, TrainingState
 from engines.training.run import RunOptions, run
 
+_SIZES = ("width", "depth", "heads", "inner", "patch", "frame_width", "longest", "text_encoder")
 _IDENTITY = ("actions", "styles", "text_encoder", "patch")
 
 
-def start(
+def start(  # noqa: PLR0913 - what a training begins from
     config: LoomConfig,
     clips: Sequence[datasets.Clip],
+    *,
     seed: int = 0,
     plan: Mapping[str, Any] | None = None,
     captions: data.Captions | None = None,
+    base: Path | None = None,
 ) -> tuple[TrainingState, data.Windows]:
-    """A new training: vocabulary and statistics from the clips, weights from the seed."""
+    """A new training: vocabulary and statistics from the clips, weights from the seed; or all of `base`.
+
+    Raises:
+        CheckpointError: `base` is no weights of Loom, or of other sizes than `config`.
+        UnknownLabelError: an emphasised action is not in the vocabulary.
+    """
     actions, styles, usual = data.vocabulary_of(clips)
     config = config.checked().replaced(actions=actions, styles=styles, usual_frames=usual)
+    if base is not None:
+        config = _going_on(config, base)
+    for name in config.emphasised:
+        if name not in config.actions:
+            raise UnknownLabelError("action", name, config.actions)
     windows = data.Windows(clips, config, captions)
     torch.manual_seed(seed)
     model = Loom(config)
-    mean, std = windows.statistics()
-    model.mean.copy_(mean)
-    model.std.copy_(std)
+    if base is None:
+        mean, std = windows.statistics()
+        model.mean.copy_(mean)
+        model.std.copy_(std)
+    else:
+        weights_file.fill(model, base)
     told = TrainingPlan.of(config, seed, **{"optimiser": "adamw", **(plan or {})})
     identity = {"engine": "loom", **{name: getattr(config, name) for name in _IDENTITY}}
     return TrainingState(model, told, identity=identity), windows
@@ -53,6 +70,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
     *,
     validation: Sequence[datasets.Clip] | None = None,
     captions: data.Captions | None = None,
+    base: Path | None = None,
     seed: int = 0,
     corpora: Sequence[str] | None = None,
     plan: Mapping[str, Any] | None = None,
@@ -70,6 +88,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
         clips: the training split of the prepared data by default.
         validation: clips held back; the validation split of the prepared data if `clips` are not given either.
         captions: gives sentence vectors of clips; without, nothing is told in words.
+        base: weights to begin from, written by `export`; their steps and time are counted on.
         seed: of the first weights and of everything drawn.
         corpora: of the prepared data, all by default.
         plan: fields of `TrainingPlan` other than those the config gives.
@@ -83,7 +102,7 @@ def fit(  # noqa: PLR0913 - what a training needs, each part but two optional
         clips, held_back = datasets.load("train", corpora), datasets.load("val", corpora)
     else:
         held_back = list(validation or [])
-    state, windows = start(config, clips, seed, plan, captions)
+    state, windows = start(config, clips, seed=seed, plan=plan, captions=captions, base=base)
     config = model_of(state).config
     fabric = launch(device, state.plan.precision)
     share_of(fabric).check(config.batch_size)
@@ -140,11 +159,24 @@ def _validation(held_back: data.Windows) -> Callable[[TrainingState], Iterator[d
     return validate
 
 
+def _going_on(config: LoomConfig, base: Path) -> LoomConfig:
+    """The settings with vocabulary and notes of the weights in `base`, which must be of the same sizes."""
+    held = LoomConfig.from_json(weights_file.read_settings(base, "train them (motionloom train loom --export)"))
+    for name in _SIZES:
+        if getattr(config, name) != getattr(held, name):
+            raise CheckpointError(f"{base}: its {name} is {getattr(held, name)}, asked for is {getattr(config, name)}.")
+    notes = {key: held.extra[key] for key in ("step", "seconds") if key in held.extra}
+    return config.replaced(actions=held.actions, styles=held.styles, usual_frames=held.usual_frames, extra=notes)
+
+
 def export(state: TrainingState, path: Path, which: str | None = None) -> str:
     """Write the weights (float16) and their config beside each other; returns the weights' SHA-256."""
     weights = state.weights(which)
     step = state.best_step if weights is state.best else state.step
-    config = model_of(state).config.replaced(extra={"step": step, "seconds": round(state.seconds)})
+    config = model_of(state).config
+    before = config.extra  # of the weights it began from
+    total = {"step": before.get("step", 0) + step, "seconds": before.get("seconds", 0) + round(state.seconds)}
+    config = config.replaced(extra={**before, **total})
     return weights_file.write(weights, config.to_json(), path)
 
 

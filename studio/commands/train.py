@@ -51,6 +51,9 @@ def loom(  # noqa: PLR0913, PLR0917 (one parameter an option)
     ] = None,
     data: DataOption = None,
     words: Annotated[bool, typer.Option(help="Learn from captions as well.")] = True,
+    base: Annotated[
+        Path | None, typer.Option("--from", metavar="FILE", help="Weights to begin from, as --export wrote them.")
+    ] = None,
     steps: StepsOption = None,
     changes: SetOption = None,
     export: ExportOption = None,
@@ -65,6 +68,8 @@ def loom(  # noqa: PLR0913, PLR0917 (one parameter an option)
     [bold]Examples[/bold]
 
     motionloom train loom --run runs/loom --export loom.safetensors
+
+    motionloom train loom --run runs/more --from loom.safetensors --set "emphasised=kick,wave left hand" --steps 5000
 
     torchrun --nproc-per-node 2 -m -- studio.cli train loom --run runs/loom --threads 1
 
@@ -83,6 +88,7 @@ def loom(  # noqa: PLR0913, PLR0917 (one parameter an option)
             chosen,
             run,
             captions=train.told_in_words if words else None,
+            base=base,
             seed=seed,
             corpora=corpora_asked,
             plan=plan,

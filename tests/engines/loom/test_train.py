@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load_file
 
 import engines
 from engines import text
 from engines.datasets.captions import encoded
-from engines.errors import Cancelled
+from engines.errors import Cancelled, CheckpointError, UnknownLabelError
 from engines.loom import train
 from engines.loom.data import Windows, vocabulary_of
 from engines.loom.losses import _quiet, losses
@@ -151,3 +152,27 @@ def test_clips_are_told_by_captions_and_by_what_people_ask(monkeypatch: pytest.M
     asked = text.load().encode(EVERYDAY["walk"]).sentences.numpy()
     assert all((asked @ row[: sides.ENCODED].astype(float)).max() > 0.999 for row in told.reshape(2, 8, -1)[0, 5:])
     assert not (told[0, 5:] == told[1, 5:]).all(), "clips of one action are asked for in different words"
+
+
+def test_a_training_begins_from_weights_and_counts_their_steps_on(tmp_path: Path) -> None:
+    first = fit(tmp_path / "first", steps=3)
+    path = tmp_path / "first.safetensors"
+    train.export(first, path)
+    state, _ = train.start(config(steps=2, **SIZES), clips(1), base=path)
+    held = load_file(path)
+    assert set(held) == set(state.model.state_dict())
+    for name, value in state.model.state_dict().items():
+        torch.testing.assert_close(value, held[name].float(), msg=name)
+    more = fit(tmp_path / "more", steps=2, base=path)
+    train.export(more, tmp_path / "more.safetensors")
+    assert engines.load("loom", checkpoint=tmp_path / "more.safetensors").config.extra["step"] == 5
+    with pytest.raises(CheckpointError, match="its width is"):
+        train.start(config(steps=2, **{**SIZES, "width": 2 * SIZES["width"]}), clips(1), base=path)
+
+
+def test_emphasised_actions_are_drawn_more_often() -> None:
+    some = [clip("walk", 30), replace(clip("throw", 30), name="one")]
+    plain, more = (Windows(some, config(emphasised=which)).probability for which in ((), ("throw",)))
+    assert more[2:].sum() / more[:2].sum() == pytest.approx(3 * plain[2:].sum() / plain[:2].sum())
+    with pytest.raises(UnknownLabelError, match="throw"):
+        train.start(config(steps=2, **SIZES, emphasised=("thrown",)), some)
