@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -59,14 +60,25 @@ _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
 }
 
 
+_SEQUENCERS = frozenset({"multiact"})
+
 _STYLISERS: dict[str, tuple[str, Callable[..., Any]]] = {
     "stylization": ("any motion in another manner, in a latent space (Guo et al. 2024)", _stylization),
 }
 
 
+_MAKES, _DESCRIBES = {"tm2t": "text2motion"}, {"tm2t": "motion2text"}
+"""Engine -> the part of its weights that makes motions, that describes them; weights may hold but one of both."""
+
+
 def available() -> dict[str, str]:
     """Names of the engines that make motions and whose weights are there, and a line about each."""
-    return _shipped(_ENGINES)
+    return {name: line for name, line in _shipped(_ENGINES).items() if name not in _MAKES or _holds(name, _MAKES[name])}
+
+
+def sequencers() -> dict[str, str]:
+    """Those of `available()` that go on from any motion with another action: `continue_from(motion, action, ...)`."""
+    return {name: line for name, line in available().items() if name in _SEQUENCERS}
 
 
 def stylisers() -> dict[str, str]:
@@ -74,11 +86,17 @@ def stylisers() -> dict[str, str]:
     return _shipped(_STYLISERS)
 
 
+def captioners() -> dict[str, str]:
+    """Names of the engines that put motions into words and whose weights are there, and a line about each."""
+    shipped = _shipped(_ENGINES)
+    return {name: shipped[name] for name, part in _DESCRIBES.items() if name in shipped and _holds(name, part)}
+
+
 def load(name: str, **options: Any) -> Any:
     """An engine with its shipped weights, on the CPU.
 
     Args:
-        name: one of `available()` or `stylisers()`.
+        name: one of `available()`, `stylisers()` or `captioners()`.
         options: of that engine: `variant`, `checkpoint`, ...
 
     Raises:
@@ -93,3 +111,9 @@ def load(name: str, **options: Any) -> Any:
 
 def _shipped(known: dict[str, tuple[str, Callable[..., Any]]]) -> dict[str, str]:
     return {name: line for name, (line, _) in known.items() if any(WEIGHTS.glob(f"{name}*.safetensors"))}
+
+
+def _holds(name: str, part: str) -> bool:
+    """Whether shipped weights of an engine hold a part, by the settings beside them."""
+    settings = (path.with_suffix(".json") for path in WEIGHTS.glob(f"{name}*.safetensors"))
+    return any(part in json.loads(path.read_text(encoding="utf-8"))["parts"] for path in settings)

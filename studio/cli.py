@@ -1,6 +1,7 @@
 """The command line.
 
-`motionloom studio | generate | stylize | character | render | convert | info | library | data | train | evaluate`
+`motionloom studio | generate | caption | stylize | character | render | convert | info | library | data | train |
+evaluate`
 
 Each command is a small module in `studio/commands/`; torch and Panel are imported when a command needs them, so that
 `motionloom --help` answers at once. Exit codes: 0 done, 1 a mistake that can be mended (one line says which),
@@ -17,7 +18,20 @@ import typer
 
 from engines import __version__
 from engines.errors import Cancelled, MotionloomError
-from studio.commands import character, convert, data, evaluate, generate, info, library, render, studio, stylize, train
+from studio.commands import (
+    caption,
+    character,
+    convert,
+    data,
+    evaluate,
+    generate,
+    info,
+    library,
+    render,
+    studio,
+    stylize,
+    train,
+)
 
 app = typer.Typer(
     name="motionloom",
@@ -32,6 +46,7 @@ by the same names and with the same settings file.""",
 )
 app.command("studio")(studio.studio)
 app.command("generate")(generate.generate)
+app.command("caption")(caption.caption)
 app.command("stylize")(stylize.stylize)
 app.command("character")(character.character)
 app.command("render")(render.render)

@@ -24,7 +24,7 @@ class Measure:
     real: str
     """The same of real clips; empty when not known."""
     level: Level
-    """good: at most 1.5 times real motion capture; fair: at most 3 times; poor: more."""
+    """good: at most 1.5 times real motion capture; fair: at most 3 times; poor: more (of words: see `fit`)."""
     word: str
     """Short form for a gallery card."""
 
@@ -70,6 +70,22 @@ def measures(metrics: Mapping[str, float], real: Mapping[str, float] | None = No
         text = f"{_number(value * kind.scale)} {kind.unit}"
         found.append(Measure(key, kind.name, text, typical, level, f"{kind.short} {_number(value * kind.scale)}"))
     return found
+
+
+def fit(similarity: float, key: str = "fit", name: str = "Fits the motion", short: str = "fits") -> Measure:
+    """What to show of how well words and a motion fit: real pairs are good; poor is what words of other motions reach.
+
+    Args:
+        similarity: -1 to 1; see `engines.metrics.evaluators.co_embedding`.
+        key: what it is of.
+        name: the same for a person.
+        short: the same on a card.
+    """
+    from engines.metrics.evaluators.co_embedding import REAL
+
+    level: Level = "good" if similarity >= REAL["low"] else "fair" if similarity >= REAL["other"] else "poor"
+    text = f"{similarity:.2f}"
+    return Measure(key, name, text, f"{REAL['mean']:.2f}", level, f"{short} {text}")
 
 
 def level_of(value: float, real: float | None, floor: float) -> Level:

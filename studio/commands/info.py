@@ -26,7 +26,7 @@ def info(
     import engines
     from engines import registry
 
-    known = {**engines.available(), **registry.stylisers()}
+    known = {**engines.available(), **registry.captioners(), **registry.stylisers()}
     if what is None:
         for name, line in known.items():
             typer.echo(f"{name:<16}{line}")

@@ -24,6 +24,9 @@ from engines.motion import Motion
 from engines.weights_file import SHIPPED, fill, read_settings
 
 _BATCH = 256
+REAL = {"mean": 0.77, "low": 0.65, "other": 0.50}
+"""Similarity of held-out clips and their captions: the mean, what nine in ten of 1,624 pairs exceed, and what of the
+same clips with captions of others one in twenty exceeds."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,14 @@ class CoEmbedding:
         with torch.inference_mode():
             found = text.load(self.config.encoder).encode(sentences).sentences
             return self.net.texts(found).double().numpy()
+
+    def similarity(self, sentences: Sequence[str], motions: Sequence[Motion]) -> np.ndarray:
+        """(N,) float64 how well each sentence describes the motion at its place: the cosine, -1 to 1; see `REAL`.
+
+        Raises:
+            CheckpointError: the sentence encoder is not installed.
+        """
+        return (self.texts(sentences) * self.motions(motions)).sum(axis=1)
 
 
 def load(path: Path | None = None) -> CoEmbedding:

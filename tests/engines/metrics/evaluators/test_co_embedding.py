@@ -40,6 +40,15 @@ def net() -> CoEmbeddingNet:
     return CoEmbeddingNet(SMALL)
 
 
+def test_similarity_is_the_cosine_of_each_pair() -> None:
+    judge, motions = CoEmbedding(net()), [clip.motion for clip in clips(1)]
+    said = ["a person walks", "a person turns left"]
+    cosines = judge.texts(said) @ judge.motions(motions).T
+    np.testing.assert_allclose(judge.similarity(said, motions), np.diag(cosines))
+    assert abs(judge.similarity(said[:1], motions[1:])[0] - cosines[0, 1]) < 1e-6
+    assert np.abs(cosines).max() <= 1.0 + 1e-6
+
+
 def test_both_sides_give_unit_vectors_of_one_space() -> None:
     made = CoEmbedding(net())
     points = made.motions([movement(length) for length in (20, 35)])
