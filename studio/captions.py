@@ -10,7 +10,7 @@ from typing import Any
 
 from engines import Motion, registry
 from engines.errors import CheckpointError
-from studio import tasks
+from studio import quality, tasks
 
 _loading = threading.Lock()
 
@@ -26,9 +26,22 @@ class Description:
     prompt_fit: float | None = None
     """The same of the prompt that the motion was made of; None where there was none, or nobody judges."""
 
+    def measures(self) -> list[quality.Measure]:
+        """How well it fits, to be shown beside a take's other measures."""
+        prompt = (
+            [quality.fit(self.prompt_fit, "prompt_fit", "Fits the prompt", "prompt")]
+            if self.prompt_fit is not None
+            else []
+        )
+        caption = [quality.fit(self.fit, "fit", "Caption fits", "caption")] if self.fit is not None else []
+        return prompt + caption
+
     def to_json(self) -> dict[str, Any]:
         """As JSON values."""
         return asdict(self)
+
+
+NOTHING_SAID = Description()
 
 
 def captioner() -> Any | None:

@@ -30,6 +30,7 @@ LANES = {
     # one thread, so that its OpenGL context (bound to the thread that made it) is made once and kept
     "still": 1,
     "file": 2,
+    "caption": 1,
 }
 """Lane -> number of threads."""
 

@@ -18,6 +18,7 @@ from typing import Any
 import engines
 from studio import draws, tasks, thumbnails
 from studio.arranging import Arranging
+from studio.captioning import Captioning, kept
 from studio.casting import Casting
 from studio.dressing import Dressing
 from studio.editing import Editing
@@ -72,6 +73,7 @@ class Session:
         self.arranging = Arranging(self)
         self.dressing = Dressing(self)
         self.casting = Casting(self)
+        self.captioning = Captioning(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
         self._draws = 0
@@ -104,6 +106,7 @@ class Session:
         self.cancel_generate()
         self.takes = TakeList(store, self._takes_changed)
         self.state.param.update(selected="", compared=[], search="", thumbnails=store.pictures(), generate_note="")
+        self.state.captions = kept(store)
         self._takes_changed(self.takes)
         bare = [take for take in self.takes if take.id not in self.state.thumbnails]
         if bare:

@@ -184,6 +184,14 @@ class TakeStore(Protocol):
         """Keep thumbnails, by the take's number; may be called off the UI thread."""
         ...
 
+    def captions(self) -> dict[str, dict[str, Any]]:
+        """What is said of takes (`studio.captions.Description` as JSON values), by the take's id."""
+        ...
+
+    def keep_captions(self, captions: Mapping[int, Mapping[str, Any]]) -> None:
+        """Keep what is said of takes, by their numbers; may be called off the UI thread."""
+        ...
+
 
 class MemoryStore:
     """Takes kept for as long as the session lives."""
@@ -244,6 +252,13 @@ class MemoryStore:
         return {}
 
     def keep_pictures(self, pictures: Mapping[int, str]) -> None:
+        """Nothing to do."""
+
+    def captions(self) -> dict[str, dict[str, Any]]:
+        """None: whoever shows them keeps them."""
+        return {}
+
+    def keep_captions(self, captions: Mapping[int, Mapping[str, Any]]) -> None:
         """Nothing to do."""
 
     def _travel(self, source: list[Step], target: list[Step], after: bool) -> str:

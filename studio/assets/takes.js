@@ -93,9 +93,9 @@ function card(model, take, send) {
   const on = take.id === model.selected
   const ticked = model.compared.includes(take.id)
   const picture = model.thumbnails[take.id]
-  const spoken = [take.title, take.subject, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred", take.edits.length > 0 && `shown with ${take.edits.join(", ")}`, take.tags.length > 0 && `tagged ${take.tags.join(", ")}`].filter(Boolean).join(", ")
+  const spoken = [take.title, take.subject, take.caption && `shows: ${take.caption.replace(/\.$/, "")}`, take.line, ...take.measures.map(({name, text, level}) => `${name} ${text}, ${level}`), take.accepted && "kept", take.favourite && "starred", take.edits.length > 0 && `shown with ${take.edits.join(", ")}`, take.tags.length > 0 && `tagged ${take.tags.join(", ")}`].filter(Boolean).join(", ")
   return h("li", {class: `take ${on ? "on" : ""}`, "data-key": take.id},
-    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, onclick: (event) => choose(model, take, event),
+    h("button", {class: "pick", type: "button", "data-id": take.id, "aria-pressed": String(on), "aria-label": spoken, title: take.caption || null, onclick: (event) => choose(model, take, event),
       draggable: "true", ondragstart: (event) => event.dataTransfer.setData("application/x-motionloom-block", JSON.stringify({kind: "clip", take: take.id}))}),
     h("span", {class: "picture"}, picture ? h("img", {src: picture, alt: "", width: "58", height: "58"}) : icon("person")),
     h("div", {class: "text"},

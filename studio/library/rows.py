@@ -39,6 +39,7 @@ def of_take(project: str, take: Take, motion: str) -> dict[str, Any]:
         "tags": json_tags(take.tags),
         "edits": json.dumps(list(take.edits)),
         "picture": None,
+        "caption": None,
     }
 
 

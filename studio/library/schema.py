@@ -28,7 +28,7 @@ from sqlalchemy import (
     update,
 )  # fmt: skip
 
-VERSION = 3
+VERSION = 4
 """Version of the schema written; later ones are refused, earlier ones brought forward."""
 
 tables = MetaData()
@@ -89,6 +89,7 @@ takes = Table(
     Column("tags", Text, nullable=False, comment="JSON list."),
     Column("edits", Text, nullable=False, comment="JSON list."),
     Column("picture", Text, comment="Thumbnail as a data URI."),
+    Column("caption", Text, comment="JSON: what is said of it, see studio.captions; empty: nothing yet."),
 )
 
 steps = Table(
@@ -112,7 +113,11 @@ def _add_sequence(connection: Connection) -> None:
     connection.exec_driver_sql("alter table projects add column sequence text")
 
 
-MIGRATIONS: dict[int, Callable[[Connection], None]] = {1: _add_body, 2: _add_sequence}
+def _add_caption(connection: Connection) -> None:
+    connection.exec_driver_sql("alter table takes add column caption text")
+
+
+MIGRATIONS: dict[int, Callable[[Connection], None]] = {1: _add_body, 2: _add_sequence, 3: _add_caption}
 """Version -> what brings a database of it to the next one."""
 
 

@@ -150,23 +150,39 @@ class Shelf:
 
     def pictures(self) -> dict[str, str]:
         """Thumbnails kept, by the take's id."""
+        return self._kept("picture")
+
+    def keep_pictures(self, pictures: Mapping[int, str]) -> None:
+        """Keep thumbnails by the take's number; where that fails they are drawn again another time."""
+        self._keep("picture", pictures)
+
+    def captions(self) -> dict[str, dict[str, Any]]:
+        """What is said of takes and kept, by the take's id."""
+        return {take: json.loads(said) for take, said in self._kept("caption").items()}
+
+    def keep_captions(self, captions: Mapping[int, Mapping[str, Any]]) -> None:
+        """Keep what is said of takes, by their numbers; where that fails it is found again another time."""
+        self._keep("caption", {number: json.dumps(said, ensure_ascii=False) for number, said in captions.items()})
+
+    def _kept(self, name: str) -> dict[str, str]:
+        """A column of the takes, where it holds anything, by the take's id."""
         held = schema.takes.c
-        asked = select(held.number, held.picture).where(held.project == self.key, held.picture.is_not(None))
+        asked = select(held.number, held[name]).where(held.project == self.key, held[name].is_not(None))
         try:
             with database.reading(self.library.engine) as connection:
-                return {f"take-{number}": picture for number, picture in connection.execute(asked)}
+                return {f"take-{number}": value for number, value in connection.execute(asked)}
         except LibraryError as problem:
             log.warning("%s", problem)
             return {}
 
-    def keep_pictures(self, pictures: Mapping[int, str]) -> None:
-        """Keep thumbnails by the take's number; where that fails they are drawn again another time."""
+    def _keep(self, name: str, values: Mapping[int, str | None]) -> None:
+        """Write a column of takes, by their numbers."""
         held = schema.takes.c
         try:
             with database.writing(self.library.engine) as connection:
-                for number, picture in pictures.items():
+                for number, value in values.items():
                     mine = (held.project == self.key) & (held.number == number)
-                    connection.execute(update(schema.takes).where(mine).values(picture=picture))
+                    connection.execute(update(schema.takes).where(mine).values({name: value}))
         except LibraryError as problem:
             log.warning("%s", problem)
 

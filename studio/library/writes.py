@@ -31,7 +31,7 @@ def revision_of(connection: Connection, key: str) -> int | None:
 
 def takes_of(connection: Connection, key: str) -> Sequence[Row[Any]]:
     """The rows of a project's takes, those taken off the shelf included, with length and rate of their motions."""
-    own = [column for column in schema.takes.c if column.name != "picture"]
+    own = [column for column in schema.takes.c if column.name not in ("picture", "caption")]
     asked = (
         select(*own, schema.motions.c.frames, schema.motions.c.fps)
         .join(schema.motions, _takes.motion == schema.motions.c.hash)

@@ -11,6 +11,7 @@ import panel as pn
 
 from engines.errors import MotionloomError
 from studio import tasks
+from studio.captions import NOTHING_SAID, Description
 from studio.edits import WORDS
 from studio.proportions import proportions
 from studio.quality import measures
@@ -82,16 +83,18 @@ def _details(session: Session) -> pn.Column:
     def show(*_: Any) -> None:
         take = state.take()
         text.object = (
-            _described(take, session.editing.metrics(take))
+            _described(take, session.editing.metrics(take), session.captioning.of(take))
             if take
             else "<p class='hint'>Pick a take to see what made it.</p>"
         )
         name, _text = session.files.settings_file()
         save.param.update(visible=bool(name), filename=name or "take.json")
 
-    state.param.watch(show, ["selected", "takes", "edited"])
+    state.param.watch(show, ["selected", "takes", "edited", "captions"])
     show()
-    return column(_tags(session), text, save, gap=8)
+    words = dressed(pn.widgets.Checkbox, name="Say in words what takes show")
+    tie(words, state, value="describing")
+    return column(_tags(session), text, words, save, gap=8)
 
 
 def _tags(session: Session) -> Tags:
@@ -109,17 +112,21 @@ def _tags(session: Session) -> Tags:
     return part
 
 
-def _described(take: Take, metrics: Mapping[str, float]) -> str:
+def _described(take: Take, metrics: Mapping[str, float], said: Description) -> str:
     """Markup on a take, or on why its motion cannot be shown."""
     try:
-        return describe(take, metrics)
+        return describe(take, metrics, said)
     except MotionloomError as problem:
         return f"<section><h4>{take.title}</h4><p class='poor'>{escape(str(problem))}</p></section>"
 
 
-def describe(take: Take, metrics: Mapping[str, float]) -> str:
-    """Markup on a take: what made it, its quality as it is shown, how to make it again."""
-    return _made(take) + _unmet(take) + _quality(metrics) + _reproduce(take)
+def describe(take: Take, metrics: Mapping[str, float], said: Description = NOTHING_SAID) -> str:
+    """Markup on a take: what it shows, what made it, its quality as it is shown, how to make it again."""
+    return _in_words(said) + _made(take) + _unmet(take) + _quality(metrics, said) + _reproduce(take)
+
+
+def _in_words(said: Description) -> str:
+    return f"<section><h4>In words</h4><p class='said'>{escape(said.sentence)}</p></section>" if said.sentence else ""
 
 
 def _made(take: Take) -> str:
@@ -189,9 +196,9 @@ def _unmet(take: Take) -> str:
     return f"<section><h4>Not met</h4>{lines}</section>" if lines else ""
 
 
-def _quality(metrics: Mapping[str, float]) -> str:
+def _quality(metrics: Mapping[str, float], said: Description) -> str:
     rows = {}
-    for measure in measures(metrics):
+    for measure in [*measures(metrics), *said.measures()]:
         real = f"<small>real {measure.real}</small>" if measure.real else ""
         rows[measure.name] = f"<span class='{measure.level}'>{measure.text}</span>{real}"
     return _section("Quality", rows) if rows else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from studio.captions import NOTHING_SAID, Description
 from studio.edits import WORDS
 from studio.quality import measures
 from studio.session import Session
@@ -25,7 +26,11 @@ def gallery(session: Session) -> TakeGallery:
         busy="generating", search="search", found="found",
     )  # fmt: skip
     metrics = session.editing.metrics
-    follow(part, state, ["takes", "edited"], lambda: {"takes": [card(take, metrics(take)) for take in state.takes]})
+    said = session.captioning.of
+    follow(
+        part, state, ["takes", "edited", "captions"],
+        lambda: {"takes": [card(take, metrics(take), said(take)) for take in state.takes]},
+    )  # fmt: skip
     acts = {
         "compare": session.compare,
         "delete": session.delete,
@@ -50,8 +55,8 @@ def drawn_from(made: GenerateSettings) -> str:
     return f"seed {made.seed} · {made.take} of {made.count}"
 
 
-def card(take: Take, metrics: Mapping[str, float]) -> dict[str, Any]:
-    """What the gallery shows of a take; `metrics` are those of the take as it is shown, edits and all."""
+def card(take: Take, metrics: Mapping[str, float], said: Description = NOTHING_SAID) -> dict[str, Any]:
+    """What the gallery shows of a take; `metrics` and what is `said` are of the take as it is shown, edits and all."""
     seconds = duration(take.duration)
     drawn = take.settings
     line = drawn_from(drawn) if drawn else f"{take.frames:,} frames"
@@ -64,11 +69,12 @@ def card(take: Take, metrics: Mapping[str, float]) -> dict[str, Any]:
         "group": take.group,
         "measures": [
             {"name": m.name, "text": m.text, "real": m.real, "level": m.level, "word": m.word}
-            for m in measures(metrics)
+            for m in [*measures(metrics), *said.measures()[:1]]
         ],
         "favourite": take.favourite,
         "accepted": take.accepted,
         "again": drawn is not None and not drawn.blend,
         "tags": list(take.tags),
+        "caption": said.sentence,
         "edits": [WORDS[name] for name in take.edits if name in WORDS],
     }

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from engines import registry
 from engines.metrics import physical
-from studio import cli, tasks, thumbnails
+from studio import captions, cli, tasks, thumbnails
 from studio.jobs import JobQueue
 from studio.session import Session
 from tests.studio.fakes import ConstrainedEngine, FakeEngine
@@ -37,7 +38,7 @@ def run(monkeypatch, capsys, tmp_path) -> Callable[..., tuple[int, str, str]]:
 
 @pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
-    """A fake in place of every engine; thumbnails are a word, since pictures have tests of their own."""
+    """A fake in place of every engine; thumbnails are a word and captions none, since they have tests of their own."""
     return _in_place_of_every_engine(FakeEngine(), monkeypatch)
 
 
@@ -55,6 +56,8 @@ def _in_place_of_every_engine(fake: FakeEngine, monkeypatch: pytest.MonkeyPatch)
         return fake
 
     monkeypatch.setattr(tasks, "load_engine", load)
+    monkeypatch.setattr(registry, "captioners", dict)
+    monkeypatch.setattr(captions, "judge", lambda: None)
     monkeypatch.setattr(thumbnails, "thumbnail", lambda motion, colour=None: f"picture {colour}")
     monkeypatch.setattr(physical, "REAL", {"foot_skate": 0.04, "jitter": 40.0, "ground_penetration": 0.001})
     return fake
