@@ -18,6 +18,7 @@ from studio.varying import VARIES
 from studio.views.binding import follow, tie
 from studio.views.character import character_form
 from studio.views.forms import column, dressed, fold, html, row
+from studio.views.lengths import lengths
 from studio.views.parts import (
     ASSETS,
     ActionField,
@@ -70,7 +71,7 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
     state = session.state
     words = _prompt(session)
     folds = column(_constraints(session), _advanced(session), gap=6)
-    asked = column(field, words, _shape(session), folds, gap=10)
+    asked = column(field, words, _shape(session), lengths(session), folds, gap=10)
     files = column(_upload(session), html(_readable()), gap=18)
     varied, styled, cast = vary(session), style_form(session), character_form(session)
 

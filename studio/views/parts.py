@@ -124,6 +124,18 @@ class Prompt(Part):
     _stylesheets = _style("prompt")
 
 
+class Lengths(Part):
+    """How long motions of the prompt may be."""
+
+    seconds = param.List([], doc="Lengths, ascending.")
+    chances = param.List([], doc="Of each.")
+    words = param.String("")
+    likeliest = param.Number(0.0)
+    asked = param.Number(0.0, doc="The length that is asked, seconds.")
+    _esm = _script("lengths")
+    _stylesheets = _style("lengths")
+
+
 class Examples(Part):
     """Prompts that fill the field."""
 
