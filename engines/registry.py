@@ -60,7 +60,8 @@ _ENGINES: dict[str, tuple[str, Callable[..., Any]]] = {
 }
 
 
-_SEQUENCERS = frozenset({"multiact"})
+SEQUENCERS = frozenset({"multiact"})
+"""Engines that go on from any motion with another action: `continue_from(motion, action, ...)`."""
 
 _STYLISERS: dict[str, tuple[str, Callable[..., Any]]] = {
     "stylization": ("any motion in another manner, in a latent space (Guo et al. 2024)", _stylization),
@@ -77,8 +78,8 @@ def available() -> dict[str, str]:
 
 
 def sequencers() -> dict[str, str]:
-    """Those of `available()` that go on from any motion with another action: `continue_from(motion, action, ...)`."""
-    return {name: line for name, line in available().items() if name in _SEQUENCERS}
+    """Those of `available()` that are `SEQUENCERS`."""
+    return {name: line for name, line in available().items() if name in SEQUENCERS}
 
 
 def stylisers() -> dict[str, str]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from engines.errors import MotionloomError, OutOfRangeError
 from studio.sequence import EMPTY, Block, Sequence
+from studio.sequencing import depends
+from studio.settings import GenerateSettings
 
 if TYPE_CHECKING:
     from studio.session import Session
-    from studio.settings import GenerateSettings
 
 SEEDS = 10_000
 _EDITABLE = {
@@ -116,7 +117,12 @@ class Arranging:
 
     def clear(self) -> None:
         """All blocks away."""
-        self._change("clear the timeline", lambda _: EMPTY)
+        self._change("clear the timeline", lambda now: replace(now, blocks=()))
+
+    def by(self, engine: str) -> None:
+        """Another engine for the actions that name none; empty: that of the other tabs."""
+        if engine != self.session.state.sequence.engine:
+            self._change(f"actions by {engine or self.session.state.engine}", lambda now: replace(now, engine=engine))
 
     def make(self) -> None:
         """Make the sequence."""
@@ -212,15 +218,16 @@ def as_shown(session: Session) -> dict[str, Any]:
     made = take.settings.sequence.blocks if take and take.settings else ()
     if state.compose_tab != "sequence" and not made:
         return {}
-    there = {_made_of(block) for block in made}
+    there = {cut for cuts in _cuts(take.settings) for cut in cuts} if take and take.settings and made else set()
+    asked = replace(GenerateSettings(engine=state.engine, variant=state.variant), sequence=state.sequence)
     return {
         "blocks": [
             {
                 "id": block.id, "kind": block.kind, "what": block.what, "seconds": block.seconds, "style": block.style,
                 "seed": block.seed, "transition": block.transition, "locked": block.locked, "engine": block.engine,
-                "made": _made_of(block) in there,
+                "made": not there.isdisjoint(cuts),
             }
-            for block in state.sequence.blocks
+            for block, cuts in zip(state.sequence.blocks, _cuts(asked), strict=True)
         ],
         "actions": [action.name for action in state.actions],
         "styles": list(state.styles),
@@ -231,6 +238,9 @@ def as_shown(session: Session) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _made_of(block: Block) -> tuple[Any, ...]:
-    """What a block's motion depends on."""
-    return block.kind, block.what, block.seconds, block.style, block.seed, block.engine, block.clip
+def _cuts(settings: GenerateSettings) -> list[set[tuple[float, ...]]]:
+    """Of each block its draw, as a number, with what it is of it: the part from one second to another, or all."""
+    found = []
+    for block, draw in zip(settings.sequence.blocks, depends(settings), strict=True):
+        found.append({(draw, block.begins, block.seconds), (draw, 0.0, block.whole or block.seconds)})
+    return found

@@ -2,15 +2,17 @@
 
     {"blocks": [{"what": "walk", "seconds": 3.0, "seed": 4},
                 {"what": "a person waves, proudly", "kind": "prompt", "seconds": 2.5, "transition": 0.8},
-                {"what": "take 2", "kind": "clip", "clip": {"values": "eJxs...", "frames": 60, "fps": 20.0}}]}
+                {"what": "take 2", "kind": "clip", "clip": {"values": "eJxs...", "frames": 60, "fps": 20.0}}],
+     "engine": "multiact"}
 
 Every block is made on its own and a transition leads from one to the next, so a block can be changed, moved or locked
-without the others becoming other ones. Pure values: each operation gives a new `Sequence`.
+without the others becoming other ones; unless `engine` names one that goes on from what stands before
+(`studio.sequencing`). Pure values: each operation gives a new `Sequence`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
@@ -56,6 +58,10 @@ class Block:
     """Which makes it; empty: that of the sequence."""
     clip: Given | None = None
     """The frames of a clip."""
+    begins: float = 0.0
+    """Seconds into the draw, or the clip, that it was cut out of."""
+    whole: float = 0.0
+    """Seconds of that; 0: it is all of it."""
     id: str = ""
     """Tells blocks of one sequence apart; given by the sequence where it is empty."""
 
@@ -78,6 +84,21 @@ class Block:
         if not 0 <= self.transition <= LONGEST_TRANSITION:
             raise OutOfRangeError("transition", self.transition, f"0 to {LONGEST_TRANSITION:g} seconds")
         demand_whole("seed", self.seed, 0, _MAX_SEED)
+        if not 0 <= self.whole <= LONGEST:
+            raise OutOfRangeError("whole", self.whole, f"0 to {LONGEST:g} seconds")
+        last = max(self.whole - self.seconds, 0.0)
+        if not 0 <= self.begins <= last + 1e-6:
+            raise OutOfRangeError("begins", self.begins, f"0 to {last:g}: a part of its draw, whose length is `whole`")
+
+    @property
+    def draw(self) -> tuple[Any, ...]:
+        """What it is cut out of; the same of all parts of one draw."""
+        return self.kind, self.what, self.style, self.seed, self.engine, self.whole or self.seconds
+
+    def continues(self, before: Block) -> bool:
+        """Is it the next part of the same draw?"""
+        on = abs(before.begins + before.seconds - self.begins) < 1e-6
+        return bool(self.begins) and not self.transition and on and self.draw == before.draw
 
     def frames(self, fps: float) -> int:
         """Its length at a rate."""
@@ -97,6 +118,8 @@ class Sequence:
     """Blocks, first to last."""
 
     blocks: tuple[Block, ...] = ()
+    engine: str = ""
+    """Which makes the actions that name none; empty: that of the settings."""
 
     def __post_init__(self) -> None:
         if len(self.blocks) > MOST_BLOCKS:
@@ -145,7 +168,7 @@ class Sequence:
     def inserted(self, block: Block, at: int | None = None) -> Sequence:
         """With one more block, at a place or at the end; it gets an id of its own."""
         place = len(self.blocks) if at is None else min(max(at, 0), len(self.blocks))
-        return Sequence((*self.blocks[:place], replace(block, id=self._free_id()), *self.blocks[place:]))
+        return self._of((*self.blocks[:place], replace(block, id=self._free_id()), *self.blocks[place:]))
 
     def removed(self, key: str) -> Sequence:
         """Without a block.
@@ -154,14 +177,14 @@ class Sequence:
             MotionloomError: it is locked.
         """
         self._demand_open(key)
-        return Sequence(tuple(block for block in self.blocks if block.id != key))
+        return self._of(block for block in self.blocks if block.id != key)
 
     def moved(self, key: str, to: int) -> Sequence:
         """With a block at another place, counted without it."""
         block = self.block(key)
         rest = [other for other in self.blocks if other.id != key]
         rest.insert(min(max(to, 0), len(rest)), block)
-        return Sequence(tuple(rest))
+        return self._of(rest)
 
     def duplicated(self, key: str) -> Sequence:
         """With a block twice, the second behind it and open to changes."""
@@ -169,6 +192,8 @@ class Sequence:
 
     def changed(self, key: str, **values: Any) -> Sequence:
         """With other values of a block; `locked` and `transition` of a locked one as well.
+
+        What was cut out of a draw and becomes another is a draw of its own, with a transition into it.
 
         Raises:
             MotionloomError: it is locked, or a value is not accepted.
@@ -178,45 +203,55 @@ class Sequence:
         block = self.block(key)
         if block.clip is not None and values.get("seconds", 0) >= SHORTEST:
             values = {**values, "clip": _cut(block.clip, 0.0, values["seconds"])}
+        elif block.whole and values.keys() & {"what", "kind", "style", "seed", "engine"}:
+            again = {"transition": Block.transition} if block.begins and not block.transition else {}
+            values = {**again, "begins": 0.0, "whole": 0.0, **values}
+        elif block.whole and "seconds" in values:
+            values = {**values, "whole": max(block.whole, round(block.begins + values["seconds"], 2))}
         return self._with(key, lambda block: (replace(block, **values),))
 
     def split(self, key: str, after: float) -> Sequence:
-        """With a block in two, as long together as before.
+        """With a block in two: the same motion, until one of them becomes another.
 
         Args:
             key: of the block.
-            after: seconds into it.
+            after: seconds into it; to the frame.
 
         Raises:
             MotionloomError: it is locked, or a part would be too short.
         """
         self._demand_open(key)
         block = self.block(key)
-        after = round(after, 2)
-        between = 0.0 if block.clip is not None else min(block.transition, round((block.seconds - after) / 2, 2))
-        rest = round(block.seconds - after - between, 2)
+        after = round(round(after * RATE) / RATE, 2)
+        rest = round(block.seconds - after, 2)
         if after < SHORTEST or rest < SHORTEST:
             accepted = f"{SHORTEST:g} to {block.seconds - SHORTEST:.1f} s into the block"
             raise OutOfRangeError("place to split at", f"{after:.1f} s", accepted)
+        clips = (None, None)
         if block.clip is not None:
-            parts = (
-                replace(block, clip=_cut(block.clip, 0.0, after)),
-                replace(block, clip=_cut(block.clip, after, block.seconds)),
-            )
-        else:
-            parts = (replace(block, seconds=after), replace(block, seconds=rest))
-        return self._with(key, lambda _: (parts[0], replace(parts[1], id=self._free_id(), transition=between)))
+            clips = (_cut(block.clip, 0.0, after), _cut(block.clip, after, block.seconds))
+        part = replace(block, seconds=after, whole=block.whole or block.seconds, clip=clips[0])
+        begins = round(block.begins + after, 2)
+        other = replace(part, seconds=rest, begins=begins, clip=clips[1], transition=0.0, id=self._free_id())
+        return self._with(key, lambda _: (part, other))
 
     def reseeded(self, seed: Callable[[Block], int]) -> Sequence:
-        """With another seed for each block that an engine makes and that is not locked."""
-        return Sequence(
-            tuple(b if b.locked or b.clip is not None else replace(b, seed=seed(b) % _MAX_SEED) for b in self.blocks)
-        )
+        """With another seed for each block that an engine makes and that is not locked; parts of a draw stay one."""
+        made: list[Block] = []
+        for place, block in enumerate(self.blocks):
+            on = place > 0 and block.continues(self.blocks[place - 1])
+            fixed = block.locked or block.clip is not None
+            made.append(block if fixed else replace(block, seed=made[-1].seed if on else seed(block) % _MAX_SEED))
+        return self._of(made)
+
+    def _of(self, blocks: Iterable[Block]) -> Sequence:
+        """Other blocks, all else as it is."""
+        return replace(self, blocks=tuple(blocks))
 
     def _with(self, key: str, change: Callable[[Block], tuple[Block, ...]]) -> Sequence:
         """With what becomes of one block."""
         place = self.index(key)
-        return Sequence((*self.blocks[:place], *change(self.blocks[place]), *self.blocks[place + 1 :]))
+        return self._of((*self.blocks[:place], *change(self.blocks[place]), *self.blocks[place + 1 :]))
 
     def _demand_open(self, key: str) -> None:
         place = self.index(key)
@@ -230,7 +265,8 @@ class Sequence:
 
     def to_json(self) -> dict[str, Any]:
         """JSON values; what is as usual is left out."""
-        return {"blocks": [_tree(block) for block in self.blocks]} if self.blocks else {}
+        blocks = {"blocks": [_tree(block) for block in self.blocks]} if self.blocks else {}
+        return blocks | ({"engine": self.engine} if self.engine else {})
 
     @classmethod
     def from_json(cls, tree: object) -> Sequence:
@@ -242,16 +278,19 @@ class Sequence:
         if not isinstance(tree, Mapping) or not isinstance(tree.get("blocks", []), list):
             raise OutOfRangeError("sequence", type(tree).__name__, 'an object with a list of "blocks"')
         for key in tree:
-            if key != "blocks":
-                raise UnknownLabelError("key of sequence", key, ["blocks"])
-        entries = tree.get("blocks", [])
-        if tree and not 1 <= len(entries) <= MOST_BLOCKS:
+            if key not in ("blocks", "engine"):
+                raise UnknownLabelError("key of sequence", key, ["blocks", "engine"])
+        entries, engine = tree.get("blocks", []), tree.get("engine", "")
+        if not isinstance(engine, str):
+            raise OutOfRangeError("engine of sequence", engine, 'a name, as in "multiact"')
+        if "blocks" in tree and not 1 <= len(entries) <= MOST_BLOCKS:
             raise OutOfRangeError("number of blocks", len(entries), f"1 to {MOST_BLOCKS}")
-        return cls(tuple(_block(number, entry) for number, entry in enumerate(entries, 1)))
+        return cls(tuple(_block(number, entry) for number, entry in enumerate(entries, 1)), engine)
 
 
 _KINDS_OF: dict[str, tuple[type, ...]] = {
     "seconds": (int, float), "transition": (int, float), "seed": (int,), "locked": (bool,), "clip": (dict,),
+    "begins": (int, float), "whole": (int, float),
 }  # fmt: skip
 """What kind of value a key of a block takes, where it is no text."""
 _USUAL = {f.name: f.default for f in fields(Block)}

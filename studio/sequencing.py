@@ -1,20 +1,22 @@
 """A sequence made: each block by its engine, a transition to the next, all set down one behind the other.
 
-A block depends on nothing but itself, and a transition on the end of one block and the start of the next. Both are kept
-for a while, so that after a change only what depends on it is made again. `pieces` holds two blocks at a time.
+A block depends on nothing but itself, and a transition on the end of one block and the start of the next. A block of an
+engine that goes on (`registry.SEQUENCERS`) depends on the end of what stands before it, and brings the transition
+along. Each is kept for a while, so that after a change only what depends on it is made again. Parts of one draw are
+made as one. `pieces` holds two draws at a time.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from engines import SMPL22, Motion, Provenance, Segment
-from engines.errors import Cancelled, MotionloomError, UnknownLabelError
+from engines import SMPL22, Motion, Provenance, Segment, registry
+from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.geometry.seams import join
 from studio.jobs import Cancel, Progress
 from studio.library.motions import Cache
@@ -74,6 +76,9 @@ def demand(settings: GenerateSettings) -> None:
             if block.kind == "action" and block.what not in known:
                 raise UnknownLabelError("action", block.what, known)
             tasks.told(_asked(block, settings), engine)
+            if number > 1 and goes_on(block, settings) and block.transition > engine.longest_transition:
+                accepted = f"0 to {engine.longest_transition:g} seconds into an action by {engine.name}"
+                raise OutOfRangeError("transition", block.transition, accepted)
         except MotionloomError as problem:
             raise MotionloomError(f"block {number}: {problem}") from None
 
@@ -81,35 +86,75 @@ def demand(settings: GenerateSettings) -> None:
 def pieces(settings: GenerateSettings) -> Iterator[Motion]:
     """Blocks and transitions one after the other, each where it belongs in the world; begins at the origin, facing +Z.
 
-    Transitions of no length are left out. No more than two blocks are held at a time.
+    Transitions of no length are left out. No more than two draws are held at a time.
     """
     yaw, place = 0.0, np.zeros(3)
     before: Motion | None = None
     named = ""
-    for block in settings.sequence.blocks:
-        motion = _block(block, settings)
-        if before is not None:
-            gap = round(block.transition * RATE)
-            turn, shift = _led(before, motion, gap)
-            led = _placed(motion, turn, shift)
+    for draw in draws(settings.sequence.blocks):
+        gap = round(draw[0].transition * RATE)
+        between: Motion | None = None
+        if before is None:
+            before = motion = _draw(draw, settings)
+        elif goes_on(draw[0], settings):  # in the frame of what stands before
+            made = _followed(before, draw, gap, settings)
+            between, motion = made[:gap] if gap else None, made[gap:]
+            before = before[-SEEN:].concat(made)
+        else:
+            alone = _draw(draw, settings)
+            turn, shift = _led(before, alone, gap)
+            led = _placed(alone, turn, shift)
             if gap:
-                label = Segment(0, gap, "transition", f"{named} > {block.what}")
-                between = _transition(before, led, gap, block.seed, settings)
-                yield _placed(between.replaced(labels=(label,)), yaw, place)
+                between = _back(_transition(before, led, gap, draw[0].seed, settings), turn, shift)
+                motion = alone
             else:
-                led = join(before[-2:], led)[min(2, len(before)) :]
-                motion = led.moved(tuple(-shift)).moved(yaw=-turn)
-            # from the frame of the block before to that of this one
+                motion = _back(join(before[-2:], led)[min(2, len(before)) :], turn, shift)
+            before = motion
+            # from the frame of the draw before to that of this one
             yaw, place = yaw + turn, _turned(shift, yaw) + place
-        yield _placed(motion, yaw, place)
-        before, named = motion, block.what
+        if between is not None:
+            label = Segment(0, gap, "transition", f"{named} > {draw[0].what}")
+            yield _placed(between.replaced(labels=(label,)), yaw, place)
+        start = 0
+        for block in draw:
+            stop = start + block.frames(RATE) if block is not draw[-1] else len(motion)
+            yield _placed(motion[start:stop].replaced(labels=_labels(block, stop - start)), yaw, place)
+            start, named = stop, block.what
+
+
+def draws(blocks: Sequence[Block]) -> Iterator[list[Block]]:
+    """Blocks, those together that are parts of one draw one behind the other."""
+    together: list[Block] = []
+    for block in blocks:
+        if together and not block.continues(together[-1]):
+            yield together
+            together = []
+        together.append(block)
+    if together:
+        yield together
+
+
+def depends(settings: GenerateSettings) -> list[int]:
+    """A number for each block that changes with whatever its draw depends on; cheap, no engine is asked."""
+    found: list[int] = []
+    blocks = settings.sequence.blocks
+    for place, block in enumerate(blocks):
+        before = blocks[place - 1] if place else None
+        own = (block.draw, block.clip if block.clip and not block.whole else None, _engine(block, settings))
+        if before is not None and block.continues(before):
+            found.append(found[-1])
+        elif before is not None and goes_on(block, settings):
+            found.append(hash((own, block.transition, found[-1], before.begins + before.seconds)))
+        else:
+            found.append(hash(own))
+    return found
 
 
 def _whole(parts: list[Motion], settings: GenerateSettings, draw: int) -> Motion:
     """One motion of all parts, with what made it."""
     from studio import tasks
 
-    engine = tasks.load_engine(settings.engine, settings.variant)
+    engine = tasks.load_engine(*_usual(settings))
     whole = parts[0].concat(*parts[1:])
     told = {"blocks": [[block.what, block.frames(whole.fps)] for block in settings.sequence.blocks]}
     origin = Provenance(engine.name, engine.weights_hash, settings.subject, settings.seed, draw, told)
@@ -129,35 +174,88 @@ def _once(key: str, make: Callable[[], Motion]) -> Motion:
     return motion
 
 
+def _usual(settings: GenerateSettings) -> tuple[str, str]:
+    """Name and variant of the engine that makes the actions of a sequence."""
+    named = settings.sequence.engine
+    return (named, "") if named not in ("", settings.engine) else (settings.engine, settings.variant)
+
+
 def _engine(block: Block, settings: GenerateSettings) -> tuple[str, str]:
-    """Name and variant of the engine that makes a block."""
-    return (block.engine, "") if block.engine else (settings.engine, settings.variant)
+    """Name and variant of the engine that makes a block. One that goes on knows actions: words and styles are left to
+    another.
+    """
+    usual = (block.engine, "") if block.engine else _usual(settings)
+    told = block.kind == "prompt" or block.style or settings.style
+    if block.engine or not told or usual[0] not in registry.SEQUENCERS:
+        return usual
+    own = (settings.engine, settings.variant)
+    return (usual_engine(), "") if own[0] in registry.SEQUENCERS else own
+
+
+def goes_on(block: Block, settings: GenerateSettings) -> bool:
+    """Is a block made out of what stands before it?"""
+    return block.clip is None and _engine(block, settings)[0] in registry.SEQUENCERS
 
 
 def _asked(block: Block, settings: GenerateSettings) -> GenerateSettings:
-    """What an engine is told of a block: what a take of it alone would be made by."""
+    """What an engine is told of a block: what a take of all its draw would be made by."""
     from studio import tasks
 
     name, variant = _engine(block, settings)
-    return replace(
+    whole = replace(block, seconds=block.whole or block.seconds, begins=0.0)
+    asked = replace(
         settings, engine=name, variant=variant, sequence=EMPTY, action=block.what if block.kind == "action" else "",
         prompt=block.what if block.kind == "prompt" else "", style=block.style or settings.style,
-        frames=block.frames(tasks.load_engine(name, variant).fps), seed=block.seed, count=1, take=None, bone_scale={},
+        frames=whole.frames(tasks.load_engine(name, variant).fps), seed=block.seed, count=1, take=None, bone_scale={},
     )  # fmt: skip
+    if name == settings.engine:
+        return asked
+    usual = GenerateSettings(engine=name)  # how closely the sequence's own engine follows is nothing to another
+    return replace(asked, guidance=usual.guidance, best_of=usual.best_of)
 
 
-def _block(block: Block, settings: GenerateSettings) -> Motion:
-    """A block's motion: on smpl22 at `RATE`, from the origin on, facing +Z, under its own labels."""
+def _draw(blocks: Sequence[Block], settings: GenerateSettings) -> Motion:
+    """Parts of one draw, or a block that is all of one, without labels: on smpl22 at `RATE`, from the origin on, facing
+    +Z.
+    """
     from studio import tasks
 
-    if block.clip is not None:
-        motion = _fronted(block.clip.motion)
-    else:
-        asked = _asked(block, settings)
-        motion = _once(repr(asked), lambda: _fronted(tasks.generate(asked)[0]))
-    labels = [Segment(0, len(motion), "text" if block.kind == "prompt" else "action", block.what)]
-    labels += [Segment(0, len(motion), "style", block.style)] if block.style else []
-    return motion.replaced(labels=tuple(labels))
+    clips = [block.clip.motion for block in blocks if block.clip is not None]
+    if clips:
+        return _fronted(clips[0].concat(*clips[1:])).replaced(labels=())
+    asked = _asked(blocks[0], settings)
+    motion = _once(repr(asked), lambda: _fronted(tasks.generate(asked)[0])).replaced(labels=())
+    start = round(blocks[0].begins * RATE)
+    return _fronted(motion[start : start + _frames(blocks)]) if blocks[0].whole else motion
+
+
+def _followed(before: Motion, blocks: Sequence[Block], gap: int, settings: GenerateSettings) -> Motion:
+    """Parts of one draw as they go on from what stands before, in its frame: `gap` frames of transition, the draw."""
+    from studio import tasks
+
+    # however far it has come, the same is asked of the same pose
+    yaw, place = float(before.heading[-1]), before.positions[-1, 0] * _FLOOR
+    seen = _back(before[-SEEN:].replaced(labels=()), yaw, place)
+    name, variant = _engine(blocks[0], settings)
+    whole, frames = blocks[0].whole if not blocks[0].begins else 0.0, _frames(blocks)
+    asked = gap + max(frames, round(whole * RATE))
+
+    def make() -> Motion:
+        engine = tasks.load_engine(name, variant)
+        told = {"seconds": asked / RATE, "seed": blocks[0].seed, "transition": max(gap, 1) / RATE}
+        return engine.continue_from(seen, blocks[0].what, **told)[len(seen) :]
+
+    made = _once(f"{name} {variant} {blocks[0].what} {blocks[0].seed} {gap} {asked} {_digest(seen)}", make)
+    return _placed(made[: gap + frames], yaw, place)
+
+
+def _frames(blocks: Sequence[Block]) -> int:
+    return sum(block.frames(RATE) for block in blocks)
+
+
+def _labels(block: Block, frames: int) -> tuple[Segment, ...]:
+    labels = [Segment(0, frames, "text" if block.kind == "prompt" else "action", block.what)]
+    return (*labels, *([Segment(0, frames, "style", block.style)] if block.style else []))
 
 
 def _fronted(motion: Motion) -> Motion:
@@ -169,6 +267,11 @@ def _fronted(motion: Motion) -> Motion:
 
 def _placed(motion: Motion, yaw: float, place: np.ndarray) -> Motion:
     return motion.moved(tuple(place), yaw)
+
+
+def _back(motion: Motion, yaw: float, place: np.ndarray) -> Motion:
+    """Out of where `_placed` set it."""
+    return motion.moved(tuple(-place)).moved(yaw=-yaw)
 
 
 def _turned(vector: np.ndarray, yaw: float) -> np.ndarray:
@@ -208,10 +311,14 @@ def _led(before: Motion, after: Motion, gap: int) -> tuple[float, np.ndarray]:
 def _transition(before: Motion, after: Motion, gap: int, seed: int, settings: GenerateSettings) -> Motion:
     """What lies between two blocks: `gap` frames by an engine that makes a motion between what is pinned."""
     tail, head = before[-SEEN:].replaced(labels=()), after[:SEEN].replaced(labels=())
-    held = [tail.rotations, tail.translation, head.rotations, head.translation]
-    seen = hashlib.sha256(b"".join(np.round(array, 6).tobytes() for array in held)).hexdigest()
-    key = f"{settings.engine} {settings.variant} {seed} {gap} {seen}"
+    key = f"{settings.engine} {settings.variant} {seed} {gap} {_digest(tail, head)}"
     return _once(key, lambda: _joined(tail, head, gap, seed, settings))
+
+
+def _digest(*motions: Motion) -> str:
+    """Changes with poses and places."""
+    held = [array for motion in motions for array in (motion.rotations, motion.translation)]
+    return hashlib.sha256(b"".join((np.round(array, 6) + 0.0).tobytes() for array in held)).hexdigest()
 
 
 def _joined(tail: Motion, head: Motion, gap: int, seed: int, settings: GenerateSettings) -> Motion:

@@ -117,5 +117,6 @@ def _of_sequences(results: Results, mean: str) -> list[str]:
         f"{len(results.answers)} labels of the recogniser; last quarter: over the last {basis['steps'] // 4} steps.",
         "Rows of action2motion: its clips, each by itself, turned and set behind each other, with half a second "
         "between them that is linear in 6-D and place, or a slerp; with the second let in over half a second "
-        "(inertialised); or its own switch of the label.",
+        "(inertialised); or its own switch of the label. Row `loom, timeline`: as the studio's timeline makes them, "
+        "each action by itself and half a second that Loom makes between the second before and the second after.",
     ]

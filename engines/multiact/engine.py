@@ -49,6 +49,8 @@ class MultiActEngine:
     description = "Actions one after another, as many as one likes, with the transitions between (Lee et al. 2023)."
     fps = FPS
     max_frames = MAX_FRAMES
+    longest_transition = LONGEST_TRANSITION / FPS
+    """Seconds."""
     capabilities = frozenset({"actions", "sequences", "transition", "outpaint"})
 
     def __init__(
@@ -78,7 +80,8 @@ class MultiActEngine:
             blocks: an action's name, or (name, seconds), 0.1 to 600, which the transition into it is part of. Without
                 seconds an action lasts as long as it usually does. Of a name only its beginning may be given.
             seed: 0 to 2^63 - 1; the same seed gives the same motion.
-            transition: seconds of every transition, 0.05 to 2 and at most half of its block; as learned if none.
+            transition: seconds of the transition into each block, 0.05 to 2 and at most half of what is made at once;
+                as learned if none.
             start: what comes before; without it, the first block is begun by the action engine.
             progress: called with (blocks done, blocks).
             cancel: asked between steps; stops with `Cancelled`.
@@ -213,7 +216,7 @@ class MultiActEngine:
                 if tail is None:
                     made = self._begun(block, step, seed)
                 else:
-                    made = self._made(tail, before, block, step, told, rng)
+                    made = self._made(tail, before, block, step, None if place else told, rng)
                 yield (number if place == len(parts) - 1 else 0), made
                 tail = (made if tail is None else tail.concat(made))[-self.cell.sees :]
                 before = block.name
@@ -284,7 +287,7 @@ def _at_least(motion: Motion, frames: int) -> Motion:
 
 
 def _frames_of(transition: float) -> int:
-    longest = LONGEST_TRANSITION / FPS
+    longest = MultiActEngine.longest_transition
     if isinstance(transition, bool) or not 1 / FPS <= transition <= longest:
         raise OutOfRangeError("transition", transition, f"{1 / FPS:g} to {longest:g} seconds")
     return round(transition * FPS)

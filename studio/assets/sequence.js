@@ -16,12 +16,12 @@ export function render(part) {
   const note = h("p", {class: "hint", role: "status"})
   const fault = h("p", {class: "fault", role: "alert"})
   mount(part, [h("section", {class: "whole", "aria-label": "Blocks"}, described, h("div", {class: "row"}, clip), h("div", {class: "row"}, renew, clear), note, fault)])
-  watch(model, ["take", "words", "blocks", "about", "error"], () => {
+  watch(model, ["take", "words", "blocks", "about", "how", "error"], () => {
     described.hidden = !model.words
     redraw(clip, icon("frames"), model.take ? `Add ${model.take} as a clip` : "Pick a take to add it")
     clip.disabled = !model.take
     renew.disabled = clear.disabled = !model.blocks
-    note.textContent = model.about || "Press an action, or drag it onto the timeline. Each block is made on its own; transitions lead from one to the next."
+    note.textContent = `${model.about || "Press an action, or drag it onto the timeline."} ${model.how}`
     fault.textContent = model.error
     fault.hidden = !model.error
   })

@@ -95,7 +95,7 @@ def evaluate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         case "texts":
             bench, results = _by_texts(named, data, motions, seed)
         case "sequences":
-            named |= _simple_ways()
+            named |= _other_ways()
             bench, results = _by_sequences(named, data, motions, frames, seed)
         case "styles":
             bench, results = _by_styles(named, data, by, corpus, motions, tempo, seed)
@@ -139,11 +139,13 @@ def _by_actions(engines: Mapping[str, Any], data: str, motions: int, frames: int
     return bench, Results(bench.basis(_digest(SHIPPED / "evaluator-action.safetensors")), judge.labels)
 
 
-def _simple_ways() -> dict[str, Any]:
+def _other_ways() -> dict[str, Any]:
+    """The simple ways, and what the studio's timeline makes."""
     from engines.evaluation import ways
     from studio import tasks
+    from studio.timeline_engine import TimelineEngine
 
-    return dict(ways.ways(tasks.load_engine("action2motion")))
+    return {**ways.ways(tasks.load_engine("action2motion")), "loom, timeline": TimelineEngine("loom")}
 
 
 def _by_sequences(engines: Mapping[str, Any], data: str, motions: int, frames: int, seed: int) -> tuple[Any, Results]:

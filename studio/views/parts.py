@@ -190,6 +190,7 @@ class Sequence(Part):
     words = param.Boolean(False, doc="The engine reads descriptions.")
     blocks = param.Integer(0)
     about = param.String("")
+    how = param.String("", doc="How blocks are made.")
     error = param.String("")
     _esm = _script("sequence")
     _stylesheets = _style("sequence")

@@ -135,6 +135,31 @@ def test_regenerate_and_new_seeds_leave_what_is_locked(open_session, engine, set
     assert newest.settings.sequence.blocks[1].seed != last.settings.sequence.blocks[1].seed
 
 
+def test_another_engine_for_the_actions_is_a_step(open_session, settle):
+    session = open_session
+    add(session, "walk", "run", "jump")
+    session.arranging.by("multiact")
+    assert (session.state.sequence.engine, session.state.undo_name) == ("multiact", "actions by multiact")
+    session.arranging.clear()
+    assert session.state.sequence.engine == "multiact"
+    session.undo()
+    session.undo()
+    assert session.state.sequence.engine == ""
+    session.generate()
+    settle(session)
+
+    def made() -> list[bool]:
+        return [block["made"] for block in as_shown(session)["blocks"]]
+
+    assert made() == [True, True, True]
+    session.arranging.act({"do": "split", "id": "2", "after": 1.0})
+    assert made() == [True, True, True, True], "a part of what is in the take is in the take"
+    session.arranging.act({"do": "change", "id": "1", "values": {"seed": 3}})
+    assert made() == [False, True, True, True]
+    session.arranging.by("multiact")
+    assert made() == [False, False, False, False]
+
+
 def test_the_picked_take_becomes_a_clip(open_session):
     session = open_session
     session.arranging.act({"do": "add", "kind": "clip", "take": "take-2"})

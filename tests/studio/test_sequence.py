@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -46,11 +48,32 @@ def test_insert_move_duplicate_remove(three):
 
 def test_change_and_split_keep_the_length(three):
     assert three.changed("1", seconds=1.5, style="proud").blocks[0].seconds == 1.5
-    halves = three.split("1", 1.25)
+    halves = three.split("1", 1.26)
     assert halves.seconds == pytest.approx(three.seconds)
-    assert [block.seconds for block in halves.blocks[:2]] == [1.25, pytest.approx(3 - 1.25 - 0.6)]
+    assert [(b.begins, b.seconds, b.whole) for b in halves.blocks[:2]] == [(0, 1.25, 3), (1.25, 1.75, 3)], (
+        "to the frame"
+    )
     with pytest.raises(OutOfRangeError, match="into the block"):
         three.split("1", 3.0)
+
+
+def test_parts_stay_one_draw_until_one_becomes_another(three):
+    halves = three.split("1", 1.0).split("4", 1.0)
+    assert [block.id for block in halves.blocks] == ["1", "4", "5", "2", "3"]
+
+    def together(sequence: Sequence) -> list[bool]:
+        return [b.continues(a) for a, b in pairwise(sequence.blocks)]
+
+    assert together(halves) == [True, True, False, False]
+    assert together(halves.reseeded(lambda block: int(block.id))) == [True, True, False, False]
+    assert halves.reseeded(lambda block: int(block.id)).blocks[2].seed == 1
+    assert together(halves.changed("4", transition=0.3)) == [False, True, False, False]
+    assert together(halves.changed("4", seconds=0.5)) == [True, False, False, False]
+    other = halves.changed("5", what="run")
+    assert together(other) == [True, False, False, False]
+    assert (other.blocks[2].begins, other.blocks[2].whole, other.blocks[2].transition) == (0, 0, 0.6)
+    longer = halves.changed("5", seconds=1.5).blocks[2]
+    assert (longer.begins, longer.whole) == (2, 3.5), "past the end of its draw, it is of a longer one"
 
 
 def test_a_locked_block_stays_as_it_is(three):
@@ -87,6 +110,10 @@ def test_the_settings_file_holds_it(three):
     text = Settings(GenerateSettings(engine="loom", action="", sequence=sequence)).to_json()
     assert parse_settings(text).generate.sequence == sequence
     assert json.loads(text)["generate"]["sequence"]["blocks"][0] == {"what": "walk", "id": "1"}
+    named = Settings(GenerateSettings(sequence=replace(three.split("1", 1.0), engine="multiact"))).to_json()
+    assert parse_settings(named).generate.sequence == replace(three.split("1", 1.0), engine="multiact")
+    with pytest.raises(MotionloomError, match="engine of sequence is 3; accepted: a name"):
+        parse_settings('{"generate": {"sequence": {"blocks": [{"what": "walk"}], "engine": 3}}}')
     plain = parse_settings('{"generate": {"sequence": {"blocks": [{"what": "walk"}, {"what": "run"}]}}}').generate
     assert [block.id for block in plain.sequence.blocks] == ["1", "2"]
     assert plain.subject == "walk, then run"
@@ -109,6 +136,11 @@ def test_the_settings_file_holds_it(three):
         ([], f"number of blocks is 0; accepted: 1 to {MOST_BLOCKS}"),
         ([{"what": "walk", "seconds": 400}] * 2, r"length of the sequence is '800\.6 s'; accepted: up to 600 s"),
         ("walk", "a list of"),
+        (
+            [{"what": "walk", "seconds": 2, "begins": 1.5, "whole": 3}],
+            "block 1: begins is 1.5; accepted: 0 to 1: a part",
+        ),
+        ([{"what": "walk", "whole": 700}], "block 1: whole is 700; accepted: 0 to 600 seconds"),
     ],
 )
 def test_what_is_wrong_is_said_with_its_place(blocks, said):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from studio import sequencing, tasks
 from studio.library.motions import Cache
 from studio.sequence import Block, Sequence
 from studio.settings import GenerateSettings
-from tests.studio.fakes import FakeEngine, sway
+from tests.studio.fakes import ConstrainedEngine, FakeEngine, sway
 
 
 @pytest.fixture(autouse=True)
@@ -123,6 +124,113 @@ def test_ten_minutes_stream_in_the_memory_of_one(engine, monkeypatch):
     peak(3)  # what is loaded once
     short, long = peak(10), peak(100)
     assert long < 1.2 * short + 200_000
+
+
+@pytest.mark.parametrize("name", ["", "multiact"])
+def test_a_block_in_two_is_the_same_motion(following, name):
+    clip = Block.of(sway(frames=50), "take 9")
+    whole = Sequence((*THREE, clip), name)
+    (made,) = tasks.generate(replace(asked(), sequence=whole))
+    halves = whole.split("2", 0.7).split("4", 1.3).split("1", 1.0)
+    (again,) = tasks.generate(replace(asked(), sequence=halves))
+    np.testing.assert_allclose(again.positions, made.positions, atol=1e-5)
+    done = [(label.start, label.end, label.value) for label in again.labels if label.kind == "action"]
+    assert done[:4] == [(0, 20, "walk"), (20, 40, "walk"), (50, 64, "run"), (64, 80, "run")]
+    (rest,) = tasks.generate(replace(asked(), sequence=halves.removed("1")))
+    np.testing.assert_allclose(rest[:20].rotations[:, 1:], made[20:40].rotations[:, 1:], atol=1e-9)
+
+
+class Follower(FakeEngine):
+    """Goes on: the body stands as it is where it starts and sinks a centimetre a frame, a little more by the seed."""
+
+    longest_transition = 2.0
+    capabilities = frozenset({"actions", "sequences"})
+
+    def continue_from(self, motion, action, seconds=0.0, seed=0, transition=0.0):
+        self.calls.append({"action": action, "frames": round(seconds * 20), "seed": seed, "gap": transition})
+        frames = round(seconds * 20)
+        down = np.array([0, -0.01 - 1e-4 * (seed - 7), 0]) * np.arange(1, frames + 1)[:, None]
+        on = motion[-1:].replaced(
+            rotations=motion.rotations[-1:].repeat(frames, 0), translation=motion.translation[-1:] + down
+        )
+        return motion.concat(on)
+
+
+@pytest.fixture
+def following(monkeypatch) -> FakeEngine:
+    """`multiact` is a fake that goes on, and every other engine one that does not; they share their calls."""
+    words, on = ConstrainedEngine(), Follower()
+    words.capabilities = words.capabilities - {"constraints"}
+    on.calls = words.calls
+    monkeypatch.setattr(tasks, "load_engine", lambda name, _variant="": on if name == "multiact" else words)
+    return words
+
+
+def on(*blocks: Block, **more) -> GenerateSettings:
+    return asked(**more, sequence=Sequence(blocks, "multiact"))
+
+
+def test_actions_go_on_from_what_stands_before(following):
+    (made,) = tasks.generate(on(*THREE))
+    told = [(call["action"], call["frames"], call.get("gap")) for call in following.calls]
+    assert told == [("walk", 40, None), ("run", 40, 0.5), ("jump", 60, 0.05)]
+    assert [(s.start, s.end, s.kind, s.value) for s in made.labels] == [
+        (0, 40, "action", "walk"), (40, 50, "transition", "walk > run"), (50, 80, "action", "run"),
+        (80, 140, "action", "jump"),
+    ]  # fmt: skip
+    np.testing.assert_allclose(np.diff(made.translation[39:], axis=0), [[0, -0.01, 0]] * 100, atol=1e-9)
+    assert np.ptp(made.rotations[39:], axis=0).max() < 1e-9
+    assert made.provenance.source == "fake"
+
+
+def test_a_change_makes_again_what_goes_on_from_it(following):
+    four = Sequence((*THREE, Block("hop")), "multiact")
+    tasks.generate(replace(asked(), sequence=four))
+    following.calls.clear()
+    tasks.generate(replace(asked(), sequence=four.changed("3", seed=11)))
+    assert [call["action"] for call in following.calls] == ["jump", "hop"]
+    following.calls.clear()
+    tasks.generate(replace(asked(), sequence=four.changed("3", seed=11)))
+    assert not following.calls
+    ids = [
+        sequencing.depends(replace(asked(), sequence=s))
+        for s in (four, four.changed("3", seed=11), four.split("2", 1.0))
+    ]
+    assert [a == b for a, b in zip(ids[0], ids[1], strict=True)] == [True, True, False, False]
+    assert ids[2] == [*ids[0][:2], ids[0][1], *ids[0][2:]]
+
+
+def test_words_styles_and_clips_stay_with_the_usual_engine(following):
+    clip = Block.of(sway(frames=30), "take 9")
+    (made,) = tasks.generate(
+        on(
+            Block("walk"),
+            Block("somebody waves", "prompt"),
+            Block("run", style="old"),
+            clip,
+            Block("hop"),
+            guidance=5.0,
+        )
+    )
+    assert [(call["action"], "gap" in call) for call in following.calls] == [
+        ("walk", False), (None, False), ("run", False), ("hop", True),
+    ]  # fmt: skip
+    assert [call.get("guidance") for call in following.calls] == [None, 5.0, 5.0, None]
+    assert len(made) == 60 + 12 + 60 + 12 + 60 + 12 + 30 + 12 + 60
+    with pytest.raises(MotionloomError, match=r"block 2: transition is 3.0; accepted: 0 to 2 seconds into an action"):
+        tasks.generate(on(Block("walk"), Block("run", transition=3.0)))
+
+
+def test_multiact_makes_a_scene_without_a_jump_or_a_turn():
+    names = ("walk", "wave right hand", "walk", "bow", "run", "squat")
+    (made,) = sequencing.make(on(*(Block(name, seconds=2.0) for name in names)))
+    assert len(made) == 6 * 40 + 5 * 12
+    assert made.provenance.source == "multiact"
+    steps = np.linalg.norm(np.diff(made.positions, axis=0), axis=-1)
+    seams = [label.start for label in made.labels if label.kind == "transition"]
+    assert max(steps[seam - 2 : seam + 14].max() for seam in seams) < 0.3, "6 m/s, a hand that waves"
+    turned = np.degrees(np.abs(np.diff(np.unwrap(made.heading))))
+    assert turned.max() < 12
 
 
 class Between(FakeEngine):
