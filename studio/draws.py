@@ -30,7 +30,7 @@ class Drawn:
     @property
     def rate(self) -> float:
         """Frames a second."""
-        return len(self.held) * self.asked.best_of * self.asked.frames / max(self.seconds, 1e-3)
+        return self.asked.best_of * sum(motion.frames for motion in self.held) / max(self.seconds, 1e-3)
 
 
 def draw(asked: GenerateSettings, store: TakeStore, progress: Progress, cancel: Cancel) -> Drawn:

@@ -179,10 +179,10 @@ class Session:
             return
         tab = "text" if made.prompt and not made.action else "action"
         self.state.param.update(
-            engine=made.engine, variant=made.variant, action=made.action or self.state.action, frames=made.frames,
-            seed=made.seed, count=made.count, bone_scale=dict(made.bone_scale), style=made.style,
-            prompt=made.prompt or self.state.prompt, guidance=made.guidance, best_of=made.best_of,
-            pinned=made.constraints, request=tab, compose_tab=tab,
+            engine=made.engine, variant=made.variant, action=made.action or self.state.action,
+            frames=made.frames or self.state.frames, as_long=made.frames is None, seed=made.seed, count=made.count,
+            bone_scale=dict(made.bone_scale), style=made.style, prompt=made.prompt or self.state.prompt,
+            guidance=made.guidance, best_of=made.best_of, pinned=made.constraints, request=tab, compose_tab=tab,
         )  # fmt: skip
 
     def _drawn(self, job: Job, takes: TakeList) -> None:

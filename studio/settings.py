@@ -32,6 +32,8 @@ DEFAULT_ENGINE = "loom"
 MAX_SEED = 2**31 - 1
 MAX_COUNT = 32
 MAX_FRAMES = 12000
+USUAL_FRAMES = 60
+"""Length of a motion where nobody says one and the engine finds none."""
 MAX_GUIDANCE = 10.0
 MAX_BEST_OF = 16
 MAX_PROMPT = 1000
@@ -74,8 +76,8 @@ class GenerateSettings:
     """In which manner; empty: any."""
     prompt: str = ""
     """A sentence on what is to be seen, up to 1,000 characters."""
-    frames: int = 60
-    """Length of each motion, frames at the engine's rate."""
+    frames: int | None = USUAL_FRAMES
+    """Length of each motion, frames at the engine's rate; null for as long as it takes, where the engine finds that."""
     seed: int = 7
     """Seed of the draw, 0 to 2147483647."""
     count: int = 4
@@ -128,7 +130,8 @@ class GenerateSettings:
         _within("best_of", self.best_of, 1, MAX_BEST_OF)
         if len(self.prompt) > MAX_PROMPT:
             raise OutOfRangeError("length of the prompt", len(self.prompt), f"up to {MAX_PROMPT:,} characters")
-        _within("frames", self.frames, 2, MAX_FRAMES)
+        if self.frames is not None:
+            _within("frames", self.frames, 2, MAX_FRAMES)
         _within("seed", self.seed, 0, MAX_SEED)
         _within("count", self.count, 1, MAX_COUNT)
         if self.take is not None:
@@ -145,11 +148,6 @@ class GenerateSettings:
             raise MotionloomError(
                 "a sequence says all by its blocks; then, blend, constraints and given do not go with it."
             )
-
-    @property
-    def length(self) -> int:
-        """Frames of each motion, what follows the first action included."""
-        return self.frames + sum(frames for _action, frames in self.then)
 
     def _check_then(self) -> None:
         object.__setattr__(self, "then", tuple((str(action), int(frames)) for action, frames in self.then))
@@ -330,7 +328,7 @@ def write_settings(settings: Settings, path: str | Path) -> Path:
 # ---- checks -----------------------------------------------------------------------------------------------
 
 _TYPES: dict[str, tuple[type, ...]] = {
-    "engine": (str,), "variant": (str,), "action": (str,), "frames": (int,), "seed": (int,), "count": (int,),
+    "engine": (str,), "variant": (str,), "action": (str,), "frames": (int, type(None)), "seed": (int,), "count": (int,),
     "take": (int, type(None)), "bone_scale": (dict,), "formats": (list,), "edits": (list,), "camera": (str,),
     "views": (str,),
     "style": (str,), "prompt": (str,), "guidance": (int, float), "best_of": (int,), "constraints": (dict,),

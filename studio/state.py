@@ -19,6 +19,7 @@ from studio.settings import (
     MAX_GUIDANCE,
     MAX_PROMPT,
     MAX_SEED,
+    USUAL_FRAMES,
     VIDEO_FORMATS,
     VIEWS,
     ExportSettings,
@@ -68,7 +69,9 @@ class StudioState(param.Parameterized):
         default="action", objects=["action", "text", "sequence"], doc="Asked by an action, in words, or block by block."
     )
     action = param.String("walk", doc="What the person does.")
-    frames = param.Integer(60, bounds=(2, MAX_FRAMES), doc="Length, frames.")
+    frames = param.Integer(USUAL_FRAMES, bounds=(2, MAX_FRAMES), doc="Length, frames.")
+    as_long = param.Boolean(True, doc="As long as it takes, where the engine finds how long; `frames` then follows.")
+    length_known = param.Boolean(True, doc="`frames` is the length that will come.")
     seed = param.Integer(7, bounds=(0, MAX_SEED), doc="Seed of the draw; shown always.")
     seed_locked = param.Boolean(False, doc="Keep the seed from one draw to the next: an identical repeat.")
     count = param.Integer(4, bounds=(1, MAX_COUNT), doc="How many variations are drawn.")
@@ -227,9 +230,23 @@ class StudioState(param.Parameterized):
             )
         return GenerateSettings(
             engine=self.engine, variant=self.variant, action="" if words else " ".join(self.action.lower().split()),
-            prompt=" ".join(self.prompt.split()) if words else "", frames=self.frames, seed=self.seed,
-            count=self.count, **told,
+            prompt=" ".join(self.prompt.split()) if words else "", frames=None if self.finds_length else self.frames,
+            seed=self.seed, count=self.count, **told,
         )  # fmt: skip
+
+    @property
+    def finds_length(self) -> bool:
+        """Whether the engine finds how long the motion is; what is pinned lies in one of known length."""
+        return self.as_long and "lengths" in self.capabilities and not self.pinned
+
+    def say_length(self, frames: int) -> None:
+        """A person says how long; as near to it as the engine goes."""
+        self.param.update(frames=max(2, min(self.max_frames, frames)), as_long=False)
+
+    def expect(self, frames: int) -> None:
+        """The length that will come where the engine finds it, frames; 0 where that is not known before."""
+        known = {"frames": min(max(frames, 2), MAX_FRAMES)} if frames else {}
+        self.param.update(length_known=frames > 0, **known)
 
     def export_settings(self) -> ExportSettings:
         """How an export would be written."""
@@ -250,7 +267,7 @@ class StudioState(param.Parameterized):
             asked = self.generate_settings()
         except MotionloomError as error:
             return str(error)
-        if self.frames > self.max_frames:
+        if self.frames > self.max_frames and not self.finds_length:
             return f"This engine makes at most {self.max_frames / self.fps:g} s."
         if asked.constraints and self.frames > self.max_pinned:
             return f"With something pinned, a motion lasts at most {self.max_pinned / self.fps:g} s."
@@ -299,10 +316,12 @@ class StudioState(param.Parameterized):
             rate = f" · {_seconds(frames / self.generate_rate)} on this machine" if self.generate_rate > 0 else ""
             blocks = counted(len(self.sequence.blocks), "block")
             return f"{blocks} · {duration(self.sequence.seconds)} · {frames:,} frames{rate}"
-        text = f"{self.count} × {self.frames} frames at {self.fps:g} fps"
+        known = self.length_known or not self.finds_length
+        length = f"{self.frames} frames" if known else "as long as it takes"
+        text = f"{self.count} × {length} at {self.fps:g} fps"
         tries = self.best_of if "best_of" in self.capabilities else 1
         text += f" · the best of {tries} each" if tries > 1 else ""
-        if self.generate_rate > 0:
+        if self.generate_rate > 0 and known:
             seconds = self.count * self.frames * tries / self.generate_rate
             text += f" · {_seconds(seconds)} on this machine"
         return text

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import threading
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from engines import Motion
 from engines.errors import Cancelled, MotionloomError
 from studio import variations
 from studio.jobs import Cancel, Progress
-from studio.settings import VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
+from studio.settings import USUAL_FRAMES, VIDEO_FORMATS, ExportSettings, GenerateSettings, format_of
 
 ASKED = {
     "scale_bones": ("bone_scale", "lengths of bones"),
@@ -72,6 +73,7 @@ def generate_with(
     engine: Any, settings: GenerateSettings, progress: Progress | None = None, cancel: Cancel | None = None
 ) -> list[Motion]:
     """The same of an engine that is there; errors as `generate`."""
+    settings = _with_length(settings, engine)
     if settings.then or settings.blend or settings.given or variations.goes_on(settings, engine):
         motions = variations.make(settings, engine, progress, cancel)
         return motions if settings.take is None or settings.blend else [motions[settings.take - 1]]
@@ -88,6 +90,28 @@ def generate_with(
         **extra,
     )
     return list(motions) if settings.take is None else [motions[settings.take - 1]]
+
+
+def expected_frames(settings: GenerateSettings, engine: Any) -> int:
+    """Frames that each motion of the settings will have, before what follows; 0 where only its making tells.
+
+    Raises:
+        MotionloomError: the engine does not know the action or cannot read the prompt.
+    """
+    if settings.frames is not None:
+        return settings.frames
+    if "lengths" not in engine.capabilities:
+        return USUAL_FRAMES
+    find = getattr(engine, "expected_frames", None)
+    return find(settings.action or None, settings.prompt or None) if find else 0
+
+
+def _with_length(settings: GenerateSettings, engine: Any) -> GenerateSettings:
+    """The settings, with a length where the engine finds none itself, or not of what is asked."""
+    parts = settings.then or settings.blend or settings.constraints
+    if "lengths" in engine.capabilities and not parts:
+        return settings
+    return replace(settings, frames=expected_frames(settings, engine) or USUAL_FRAMES)
 
 
 def told(settings: GenerateSettings, engine: Any, without: Collection[str] = ()) -> dict[str, Any]:

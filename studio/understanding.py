@@ -1,4 +1,4 @@
-"""What the engine makes of the prompt that is being typed, said under it before anything is drawn."""
+"""What the engine makes of what is asked, said before anything is drawn: what a prompt means, how long it will be."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from studio import tasks
+from studio.settings import MAX_PROMPT, USUAL_FRAMES, GenerateSettings
 
 if TYPE_CHECKING:
     from studio.jobs import Job
@@ -13,44 +14,55 @@ if TYPE_CHECKING:
 
 
 class Understanding:
-    """Asks engines that can say it (`understood(prompt) -> str`), off the page's thread, of the latest prompt only.
+    """Asks engines that can say it, off the page's thread, of the latest request only.
+
+    What a prompt means says `engine.understood(prompt) -> str`; how long a motion will be goes into the state.
 
     Args:
-        session: whose prompt it is.
+        session: whose request it is.
         tell: hears the sentence for the person; empty where there is nothing to say.
     """
 
     def __init__(self, session: Session, tell: Callable[[str], None]) -> None:
         self.session, self._tell = session, tell
-        self._asked = self._told = ("", "", "")
+        self._asked = self._told = GenerateSettings(action="")
         self._busy = False
-        session.state.param.watch(self._look, ["prompt", "compose_tab", "engine", "variant", "capabilities"])
+        watched = ["prompt", "action", "request", "as_long", "pinned", "engine", "variant", "capabilities"]
+        session.state.param.watch(self._look, watched)
 
     def _look(self, *_: Any) -> None:
         state = self.session.state
-        wanted = state.compose_tab == "text" and "text" in state.capabilities
-        self._asked = (state.prompt.strip() if wanted else "", state.engine, state.variant)
+        words = " ".join(state.prompt.split()) if state.request == "text" and "text" in state.capabilities else ""
+        known = state.request == "action" and state.finds_length and not state.nearest_actions()
+        self._asked = GenerateSettings(
+            state.engine, state.variant, " ".join(state.action.lower().split()) if known else "",
+            prompt=words if len(words) <= MAX_PROMPT else "", frames=None if state.finds_length else USUAL_FRAMES,
+        )  # fmt: skip
         self._go_on()
 
     def _go_on(self) -> None:
         if self._busy or self._asked == self._told:
             return
-        asked = prompt, engine, variant = self._asked
-        if not prompt:
+        asked = self._asked
+        if not (asked.action or asked.prompt):
             self._told = asked
             self._tell("")
             return
         self._busy = True
 
-        def work(_progress: Any, _cancel: Any) -> str:
-            say = getattr(tasks.load_engine(engine, variant), "understood", None)
-            return say(prompt) if say else ""
+        def work(_progress: Any, _cancel: Any) -> tuple[str, int]:
+            engine = tasks.load_engine(asked.engine, asked.variant)
+            say = getattr(engine, "understood", None)
+            return say(asked.prompt) if say and asked.prompt else "", tasks.expected_frames(asked, engine)
 
         def show(job: Job) -> None:
             if not job.finished:
                 return
             self._busy, self._told = False, asked
-            self._tell(job.error if job.status == "failed" else job.result or "")
+            said, frames = job.result or ("", 0)
+            self._tell(job.error if job.status == "failed" else said)
+            if asked.frames is None and asked == self._asked:
+                self.session.state.expect(frames)
             self._go_on()  # something else was typed meanwhile
 
         self.session.submit("understand", work, show)

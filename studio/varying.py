@@ -180,8 +180,9 @@ class Varying:
             problem = self.change_problem()
             if problem or made is None:
                 raise MotionloomError(problem)
-            then = (*_before(made, at)[1:], (self._action(take), self._frames()))
-            return replace(made, frames=_before(made, at)[0][1], then=then, take=None, count=self._count(), best_of=1)
+            first, *more = _before(made, at, take.frames)
+            then = (*more, (self._action(take), self._frames()))
+            return replace(made, frames=first[1], then=then, take=None, count=self._count(), best_of=1)
 
         self._ask(wanted)
 
@@ -233,10 +234,11 @@ class Varying:
         return self.session.state.count
 
 
-def _before(made: GenerateSettings, at: int) -> list[tuple[str, int]]:
-    """The actions of a take up to a frame."""
+def _before(made: GenerateSettings, at: int, length: int) -> list[tuple[str, int]]:
+    """The actions of a take of so many frames up to one of them."""
     parts, start = [], 0
-    for action, frames in ((made.action, made.frames), *made.then):
+    first = length - sum(frames for _action, frames in made.then)
+    for action, frames in ((made.action, first), *made.then):
         if start < at:
             parts.append((action, min(frames, at - start)))
         start += frames

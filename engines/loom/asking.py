@@ -10,6 +10,7 @@ import numpy as np
 from engines.errors import OutOfRangeError, UnknownLabelError
 from engines.loom.config import LoomConfig
 from engines.loom.passes import Request
+from engines.loom.plan import natural_length
 from engines.text import reader
 from engines.text.prompts import LONGEST
 
@@ -81,6 +82,12 @@ class Asking:
             return []  # a walk that turns is one action
         manner = style or next((part.style for part in parts if part.style), None)
         return [replace(part, style=part.style or manner) for part in parts]
+
+    def expected_frames(self, action: str | None, prompt: str | None) -> int:
+        """How long what is asked takes by itself, several actions in turn one after the other; errors as `request`."""
+        whole = self.request(action, None, prompt)
+        parts = self.in_turn(whole.prompt) if whole.prompt and not action else []
+        return sum(natural_length(self.config, part.action) for part in parts or [whole])
 
     def read(self, prompt: str) -> reader.Reading:
         """What a prompt is taken to ask for, of all actions and styles there are words for."""

@@ -61,7 +61,7 @@ class LoomEngine:
     variants = ("small",)
     capabilities = frozenset({
         "actions", "styles", "text", "interpolate", "transition", "outpaint", "constraints", "stylise", "parts",
-        "scale_bones", "best_of", "guidance",
+        "scale_bones", "best_of", "guidance", "lengths",
     })  # fmt: skip
 
     def __init__(self, model: Loom, weights_hash: str) -> None:
@@ -76,7 +76,7 @@ class LoomEngine:
 
     # ---- what a person asks for ---------------------------------------------------------------------------
 
-    def generate(self, action: str | None = None, frames: int = 60, seed: int = 0, **options: Any) -> Motion:
+    def generate(self, action: str | None = None, frames: int | None = 60, seed: int = 0, **options: Any) -> Motion:
         """One motion; see `generate_many`."""
         return self.generate_many(action, count=1, frames=frames, seed=seed, **options)[0]
 
@@ -84,7 +84,7 @@ class LoomEngine:
         self,
         action: str | None = None,
         count: int = 4,
-        frames: int = 60,
+        frames: int | None = 60,
         seed: int = 0,
         *,
         style: str | None = None,
@@ -103,7 +103,7 @@ class LoomEngine:
             action: a name of `actions`; left out, it is read out of the prompt or left to chance. A prompt of several,
                 one "then" the other, becomes all of them in turn, unless something is pinned.
             count: 1 to 1024.
-            frames: 1 to 12,000 at 20 fps.
+            frames: 1 to 12,000 at 20 fps; None for as long as it takes, see `expected_frames`.
             seed: 0 to 2^63 - 1; the same seed gives the same motions, and motion i does not depend on `count`
                 beyond rounding.
             style: a name of `styles`; left out, it is read out of the prompt.
@@ -121,15 +121,18 @@ class LoomEngine:
             OutOfRangeError: a number is outside its range.
             MotionloomError: constraints contradict each other.
         """
+        pinned = constraints or NOTHING
+        most = self.config.longest - LOOP * pinned.loop
+        if frames is None:
+            expected = self.expected_frames(action, prompt)
+            frames = min(expected, most) if pinned else expected
         demand_whole("count", count, 1, MAX_COUNT)
         demand_whole("frames", frames, 1, MAX_FRAMES)
         demand_whole("steps", steps, 1, 100)
         demand_whole("best_of", best_of, 1, 16)
         if not 0.0 <= guidance <= 10.0:
             raise OutOfRangeError("guidance", guidance, "0 to 10")
-        pinned = constraints or NOTHING
         asked = self._asking.asked(action, style, prompt, frames, apart=not pinned)
-        most = self.config.longest - LOOP * pinned.loop
         if pinned and frames > most:
             raise OutOfRangeError(
                 "frames", frames, f"up to {most} where something is pinned; go on from there after it"
@@ -142,7 +145,7 @@ class LoomEngine:
                 raise Cancelled(f"cancelled after {len(made)} of {count} motions; none was kept")
             drawn = [i * best_of + k for i in indices for k in range(best_of)]
             motions, said = self._passes.perform(asked, seed, drawn, how)
-            motions = _best(motions, best_of)
+            motions = output.best(motions, best_of)
             made += self._finished(
                 motions, asked, seed, indices, parameters, bone_scale=bone_scale, said=said, pinned=pinned
             )
@@ -320,6 +323,17 @@ class LoomEngine:
         """What is made of a prompt, a sentence or two for the person who typed it; nothing of an empty one."""
         return self._asking.understood(prompt)
 
+    def expected_frames(self, action: str | None = None, prompt: str | None = None) -> int:
+        """How long a motion of that is where nobody says it: as long as such clips usually are.
+
+        What goes on for as long as one likes (walking) is 5 s at most.
+
+        Raises:
+            UnknownLabelError: the action is not known.
+            OutOfRangeError: the prompt is too long.
+        """
+        return self._asking.expected_frames(action, prompt)
+
     # ---- how it is made ---------------------------------------------------------------------------------------
 
     def _finished(  # noqa: PLR0913 - what goes into labels and provenance
@@ -378,19 +392,6 @@ def _chunks(count: int, frames: int) -> Iterator[range]:
     size = max(1, _CHUNK_FRAMES // min(frames, 200))
     for start in range(0, count, size):
         yield range(start, min(count, start + size))
-
-
-def _best(motions: list[Motion], best_of: int) -> list[Motion]:
-    """Of every `best_of` the one whose feet slide and whose joints jerk least."""
-    if best_of == 1:
-        return motions
-    from engines.metrics import physical
-
-    def cost(motion: Motion) -> float:
-        found = physical.summary(motion)
-        return found["foot_skate"] / 0.05 + found["jitter"] / 80.0 + found["ground_penetration"] / 0.01
-
-    return [min(motions[i : i + best_of], key=cost) for i in range(0, len(motions), best_of)]
 
 
 __all__ = ["Constraints", "FloorPath", "Keep", "LoomEngine", "Pin", "load"]

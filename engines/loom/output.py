@@ -36,6 +36,19 @@ def to_motions(features: Tensor, frames: int, fps: float, known: list[Known] | N
     return made
 
 
+def best(motions: list[Motion], best_of: int) -> list[Motion]:
+    """Of every `best_of` the one whose feet slide and whose joints jerk least."""
+    if best_of == 1:
+        return motions
+    from engines.metrics import physical
+
+    def cost(motion: Motion) -> float:
+        found = physical.summary(motion)
+        return found["foot_skate"] / 0.05 + found["jitter"] / 80.0 + found["ground_penetration"] / 0.01
+
+    return [min(motions[i : i + best_of], key=cost) for i in range(0, len(motions), best_of)]
+
+
 def exact(motion: Motion, constraints: Constraints) -> Motion:
     """The motion with its kept frames just as they were given, to the last bit, where all of the body is kept."""
     turns, path = np.array(motion.rotations), np.array(motion.translation)

@@ -17,6 +17,8 @@ UNTOLD, MIDDLE, BEGINNING, ENDING, WHOLE = range(5)
 """Which part of a performance a window is (`networks.Wanted.span`)."""
 _STRETCH = 1.25
 """An action done once may take so many times its usual longest."""
+_GOES_ON = 100
+"""Frames at most of what goes on for as long as one likes, where nobody says how long."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,15 @@ class Window:
     shown: int
     """Frames of what comes before that it sees first."""
     span: int
+
+
+def natural_length(config: LoomConfig, action: str | None) -> int:
+    """Frames that an action takes where nobody says how long: what it usually takes, and no more than one window.
+
+    What goes on for as long as one likes takes 5 s at most; so do words that mean no action.
+    """
+    _, usual, _ = _usual(config, action)
+    return min(usual, config.longest if _once(action) else _GOES_ON)
 
 
 def windows(

@@ -185,6 +185,10 @@ class Text2MotionEngine:
         """
         return self._lengths(words.read([self.read(prompt).sentence], self.encoder))[0]
 
+    def expected_frames(self, action: str | None = None, prompt: str | None = None) -> int:
+        """How long a motion of a sentence likely is where nobody says it; errors as `lengths`."""
+        return self.lengths(prompt or action or "").likeliest
+
     def attention(self, motion: Motion) -> WordAttention:
         """What each snippet of a motion made by this engine looked at while it was made.
 

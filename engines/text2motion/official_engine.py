@@ -134,6 +134,10 @@ class OfficialText2Motion:
         chances = self._logits(self.read(tidy(prompt))[0]).double().softmax(-1)[1:]
         return Lengths(UNIT * np.arange(1, len(chances) + 1), (chances / chances.sum()).numpy())
 
+    def expected_frames(self, action: str | None = None, prompt: str | None = None) -> int:
+        """How long a motion of a sentence likely is where nobody says it; errors as `lengths`."""
+        return self.lengths(prompt or action or "").likeliest
+
     def read(self, sentence: str) -> tuple[WordBatch, list[str]]:
         """A sentence between its marks, and the words that are not known."""
         found = [word for word in tags.words_of(sentence) if word[0].isalnum()][: official.SENTENCE]

@@ -89,7 +89,7 @@ class OfficialTM2T:
         self.codec = features.get(_DIALECTS[len(mean)])
         self.fps = self.codec.fps
         self.marks = MotionTokens(len(self.tokenizer.codebook.weight))
-        able = {"text"} if isinstance(parts.text2motion, AttentiveGRU) else set()
+        able = {"text", "lengths"} if isinstance(parts.text2motion, AttentiveGRU) else set()
         self.capabilities = frozenset(able | ({"caption"} if parts.motion2text is not None else set()))
 
     def generate(self, prompt: str, seconds: float | None = None, seed: int = 0, **options: Any) -> Motion:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -32,7 +33,7 @@ from studio.commands.making import (
     make_and_write,
 )  # fmt: skip
 from studio.commands.pins import FPS, parse_pins
-from studio.settings import GenerateSettings, write_settings
+from studio.settings import USUAL_FRAMES, GenerateSettings, write_settings
 
 
 def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
@@ -40,7 +41,9 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         str | None, typer.Argument(metavar="ACTION", help="What the person does: walk, jump, ...")
     ] = None,
     count: CountOption = None,
-    frames: Annotated[int | None, typer.Option(metavar="N", help="Length of each, frames (20 a second).")] = None,
+    frames: Annotated[
+        int | None, typer.Option(metavar="N", help="Length, frames (20 a second); of a prompt as it takes, or 60.")
+    ] = None,
     seed: SeedOption = None,
     take: TakeOption = None,
     out: OutOption = Path(),
@@ -109,6 +112,8 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
     if action is None and prompt is None and settings is None:
         raise typer.BadParameter("give an ACTION, --prompt or --settings FILE; --list-actions shows what is known")
     wanted = wanted.changed(constraints=parse_pins(path, begin_with, pose, loop, wanted.generate.constraints))
+    if words_alone and frames is None and settings is None and not wanted.generate.constraints:
+        wanted = replace(wanted, generate=replace(wanted.generate, frames=None))
     _fits(wanted.generate)
     wanted, folder, name = destination(wanted, out, one_by_default=count is None and settings is None)
     make_and_write(wanted, folder, name)
@@ -129,7 +134,7 @@ def parse_then(items: list[str] | None) -> tuple[tuple[str, int], ...] | None:
 
 def _fits(recipe: GenerateSettings) -> None:
     """Is what is pinned within the motion?"""
-    problem = recipe.constraints.problem(recipe.frames, FPS)
+    problem = recipe.constraints.problem(recipe.frames or USUAL_FRAMES, FPS)
     if problem:
         raise MotionloomError(problem[:1].lower() + problem[1:])
 

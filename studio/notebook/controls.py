@@ -156,14 +156,20 @@ def _shape(ties: Ties) -> list[Any]:
         seconds.max = state.max_frames / state.fps
         seconds.value = round(state.frames / state.fps, 2)
 
+    def said(value: float) -> None:
+        if value != round(state.frames / state.fps, 2):  # and not what is shown to be found
+            state.say_length(round(value * state.fps))
+
     ties.follow(["frames", "fps", "max_frames"], length)
-    ties.act(seconds, lambda value: setattr(state, "frames", max(2, round(value * state.fps))))
+    ties.act(seconds, said)
     ways = ties.tie(field(widgets.BoundedIntText, "Ways", min=1, max=MAX_COUNT), "count")
     seed = ties.tie(field(widgets.BoundedIntText, "Seed", min=0, max=MAX_SEED), "seed")
     same = ties.tie(widgets.Checkbox(description="keep", indent=False, tooltip="The same motions again"), "seed_locked")
     same.layout = widgets.Layout(width="68px", margin="2px 2px 2px 6px")
     seed.layout.flex = "1 1 auto"
     rows = [seconds, ways, widgets.HBox([seed, same])]
+    if "lengths" in state.capabilities:
+        rows.insert(1, ties.tie(field(widgets.Checkbox, "As long as it takes"), "as_long"))
     if len(state.variants) > 1:
         model = field(widgets.Dropdown, "Model", options=list(state.variants), value=state.variant)
         ties.follow(["variant"], lambda: setattr(model, "value", state.variant))
@@ -249,11 +255,11 @@ def _go(ties: Ties) -> list[Any]:
 
 _ASKED = [
     "request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "guidance", "best_of", "pinned",
-    "variant",
+    "variant", "as_long",
 ]  # fmt: skip
 """Parameters of the state that are asked."""
 _TOLD = [
-    "fps", "max_frames", "engine_ready", "generating", "generate_progress", "generate_error", "generate_note",
-    "message",
+    "length_known", "fps", "max_frames", "engine_ready", "generating", "generate_progress", "generate_error",
+    "generate_note", "message",
 ]  # fmt: skip
 """Parameters that change what is said about a draw."""

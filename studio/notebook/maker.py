@@ -83,7 +83,9 @@ class Maker:
         self._settled = threading.Event()
         self._settled.set()
         self._describe()
+        self.state.param.watch(self._expect, ["prompt", "action", "request", "as_long", "pinned", "variant"])
         self._begin(settings)
+        self._expect()
         self._draws = 0
 
     # ---- asking -------------------------------------------------------------------------------------------
@@ -179,6 +181,16 @@ class Maker:
         self.state.describe(self.engine, self.choice)
         self.state.request = "action" if self.state.actions else "text"
 
+    def _expect(self, *_: Any) -> None:
+        """Say how long the motion will be, where the engine finds that."""
+        if not self.state.finds_length or self.state.problem():
+            return
+        try:
+            frames = tasks.expected_frames(self.state.generate_settings(), self.engine)
+        except MotionloomError:
+            frames = 0  # the draw will say what is wrong with the prompt
+        self.state.expect(frames)
+
     def _begin(self, given: dict[str, Any]) -> None:
         known = MANNER if isinstance(self.state, Manner) else BEGIN
         for name in given:
@@ -198,6 +210,7 @@ class Maker:
     def _set(self, name: str, value: Any) -> None:
         if name == "seconds":
             name, value = "frames", round(float(value) * self.state.fps)
+            self.state.as_long = False
         if isinstance(value, Motion):
             value = Given.of(value, value.provenance.source or name, self.state.fps)
         try:

@@ -26,6 +26,7 @@ from studio.views.parts import (
     Constraints,
     Examples,
     Generate,
+    Length,
     Prompt,
     Seed,
     Segments,
@@ -212,31 +213,37 @@ def _entry(action: Any) -> dict[str, str]:
 def _shape(session: Session) -> pn.Column:
     """Length, variations, seed, and engine and model where there is a choice."""
     state = session.state
-    length = dressed(pn.widgets.FloatInput, label="Length, seconds", step=0.5, start=0.1, end=600.0, format="0.0[0]")
     count = dressed(pn.widgets.IntInput, label="Variations", step=1, start=1, end=MAX_COUNT)
     seed = Seed(sizing_mode="stretch_width", margin=0)
     tie(count, state, value="count")
     tie(seed, state, value="seed", locked="seed_locked")
-
-    def shown(*_: Any) -> None:
-        length.value = round(state.frames / state.fps, 2)
-        length.end = state.max_frames / state.fps
-
-    def asked(event: Any) -> None:
-        if event.new is not None:
-            state.frames = max(2, min(state.max_frames, round(event.new * state.fps)))
-            shown()
-
-    state.param.watch(shown, ["frames", "fps", "max_frames"])
-    length.param.watch(asked, "value")
-    shown()
     engine, variant = _engine(session)
-    lines = [row(length, count), row(seed, variant, _style(session), wrap=118)]
+    lines = [row(_length(session), count), row(seed, variant, _style(session), wrap=118)]
+    count.styles = {**count.styles, "flex": "0 0 84px"}
     box = column(*lines, gap=10)
     state.param.watch(
         lambda event: setattr(box, "objects", [engine, *lines] if len(event.new) > 1 else lines), "engines"
     )
     return box
+
+
+def _length(session: Session) -> Length:
+    """How long, where the engine does not find it."""
+    state = session.state
+    part = Length(sizing_mode="stretch_width", margin=0)
+    tie(part, state, found="as_long")
+
+    def show() -> dict[str, Any]:
+        return {
+            "seconds": round(state.frames / state.fps, 2),
+            "most": state.max_frames / state.fps,
+            "finds": "lengths" in state.capabilities,
+            "pinned": bool(state.pinned),
+        }
+
+    follow(part, state, ["frames", "fps", "max_frames", "capabilities", "pinned"], show)
+    part.on("say", lambda message: state.say_length(round(float(message["seconds"]) * state.fps)))
+    return part
 
 
 def _style(session: Session) -> pn.widgets.Select:
@@ -283,7 +290,17 @@ def generate_button(session: Session) -> Generate:
         button, state, busy="generating", progress="generate_progress", error="generate_error", note="generate_note",
     )  # fmt: skip
     asked = ["request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "best_of", "pinned"]
-    known = ["actions", "capabilities", "engine_ready", "generate_error", "fps", "max_frames", "generate_rate"]
+    known = [
+        "as_long",
+        "length_known",
+        "actions",
+        "capabilities",
+        "engine_ready",
+        "generate_error",
+        "fps",
+        "max_frames",
+        "generate_rate",
+    ]
 
     def show() -> dict[str, Any]:
         # an unknown action is named under its own field; here only what else stands in the way
@@ -291,7 +308,7 @@ def generate_button(session: Session) -> Generate:
         label = "Make the sequence" if state.request == "sequence" else f"Generate {counted(state.count, 'take')}"
         return {"problem": state.problem(), "forecast": state.forecast(), "named": named, "label": label}
 
-    follow(button, state, [*asked, *known, "sequence"], show)
+    follow(button, state, [*asked, *known, "as_long", "length_known", "sequence"], show)
     follow(button, state, ["compose_tab"], lambda: {"visible": state.compose_tab in ("action", "text", "sequence")})
     button.on("generate", lambda _: session.generate())
     button.on("cancel", lambda _: session.cancel_generate())

@@ -25,7 +25,7 @@ def lengths(session: Session) -> Lengths:
     def chosen(message: dict[str, Any]) -> None:
         seconds = float(message.get("seconds", 0))
         if seconds in part.seconds:
-            state.frames = round(seconds * state.fps)
+            state.say_length(round(seconds * state.fps))
 
     LengthGuess(session, told)
     part.on("take", chosen)

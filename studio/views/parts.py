@@ -229,6 +229,18 @@ class ActionGrid(Part):
     _stylesheets = _style("action_grid")
 
 
+class Length(Part):
+    """How long a motion is, and whether that is left to what is asked."""
+
+    seconds = param.Number(3.0)
+    most = param.Number(600.0, doc="Seconds the engine makes at most.")
+    found = param.Boolean(True, doc="It is left to what is asked.")
+    finds = param.Boolean(False, doc="The engine can find it.")
+    pinned = param.Boolean(False, doc="Something is pinned, so that it has to be said.")
+    _esm = _script("length")
+    _stylesheets = _style("length")
+
+
 class Seed(Part):
     """The seed and its lock."""
 

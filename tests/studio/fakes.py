@@ -73,19 +73,26 @@ METRICS = {"foot_skate": 0.05, "jitter": 40.0, "ground_penetration": 0.001}
 
 
 class ConstrainedEngine(FakeEngine):
-    """Takes styles, words and pins too; says of a path that is longer than 5 m that it is followed for 5 m."""
+    """Takes styles, words and pins too; says of a path that is longer than 5 m that it is followed for 5 m.
+
+    A prompt takes 10 frames a word, a jump 30, everything else 60, unless it is told how many.
+    """
 
     name = "stand-in"
     variants = ()
     styles = ("happy", "old", "tired")
     capabilities = frozenset({
-        "actions", "styles", "text", "constraints", "guidance", "best_of", "scale_bones",
+        "actions", "styles", "text", "constraints", "guidance", "best_of", "scale_bones", "lengths",
     })  # fmt: skip
 
     def generate_many(self, action, count=4, frames=60, seed=0, progress=None, cancel=None, **told):  # noqa: PLR0917
-        made = super().generate_many(action or "walk", count, frames, seed, progress, cancel, **told)
-        self.calls[-1]["action"] = action
+        found = frames or self.expected_frames(action, told.get("prompt"))
+        made = super().generate_many(action or "walk", count, found, seed, progress, cancel, **told)
+        self.calls[-1] |= {"action": action, "frames": frames}
         return [self._with(motion, told) for motion in made]
+
+    def expected_frames(self, action, prompt=None):
+        return 10 * len(prompt.split()) if prompt else 30 if action == "jump" else 60
 
     def _with(self, motion: Motion, told: dict) -> Motion:
         labels = [Segment(0, len(motion), kind, told[key]) for kind, key in KINDS if told.get(key)]

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -237,10 +238,27 @@ def test_info_of_an_engine(run, engine):
     assert "styles" not in out
 
 
+@pytest.mark.parametrize(
+    ("arguments", "told", "made"),
+    [
+        (["--prompt", "a person sits down"], None, 40),
+        (["--prompt", "a person sits down", "--frames", "25"], 25, 25),
+        (["jump"], 60, 60),
+        (["jump", "--settings", "open.json"], None, 30),
+    ],
+)
+def test_a_prompt_takes_as_long_as_it_takes(run, constrained, arguments, told, made):
+    Path("open.json").write_text('{"generate": {"frames": null}}')
+    code, _, err = run("generate", *arguments, "-n", "1", "-o", "it.npz", "--save-settings", "used.json")
+    assert (code, err, constrained.calls[-1]["frames"]) == (0, "", told)
+    assert len(engines.read("it.npz")) == made
+    assert read_settings("used.json").generate.frames == told
+
+
 def test_info_lists_styles_and_capabilities(run, constrained):
     out = run("info", "action2motion")[1]
     assert "3: happy, old, tired" in out
-    assert "actions, best_of, constraints, guidance, scale_bones, styles, text" in out
+    assert "actions, best_of, constraints, guidance, lengths, scale_bones, styles, text" in out
 
 
 def test_info_of_a_file_tells_what_was_not_met(run, constrained, tmp_path):

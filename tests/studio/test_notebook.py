@@ -204,3 +204,16 @@ def test_a_motion_in_another_manner():
         notebook.panel(engine, motion=walk, strength=2.0)
     with pytest.raises(UnknownLabelError, match="'strength'"):
         notebook.panel(engine, motion=walk, strenght=1.0)
+
+
+def test_a_length_is_found_until_one_is_typed(panel):
+    named(panel, "Action").value = "jump"
+    assert named(panel, "Seconds").value == 1.5
+    named(panel, "Generate").click()
+    assert panel.motion.frames == 30
+    named(panel, "Seconds").value = 2.0
+    assert not named(panel, "As long as it takes").value
+    named(panel, "Action").value = "walk"
+    named(panel, "Generate").click()
+    assert panel.motion.frames == 40
+    assert named(notebook.panel(ConstrainedEngine(), seconds=3.0, action="jump"), "Seconds").value == 3.0

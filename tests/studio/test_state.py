@@ -88,6 +88,15 @@ def test_an_empty_prompt_is_said_and_the_action_does_not_matter_then(able):
     assert able.problem() == "A prompt has at most 1,000 letters."
 
 
+def test_what_is_pinned_lies_in_a_motion_of_the_length_that_is_shown(able):
+    able.frames = 70
+    assert able.generate_settings().frames == 70
+    able.pinned = Pinned()
+    assert able.generate_settings().frames is None
+    able.capabilities -= {"lengths"}
+    assert able.generate_settings().frames == 70, "an engine that finds no length is told one"
+
+
 def test_pins_that_do_not_fit_the_length_are_said(able):
     able.frames = 201
     assert able.problem() == "With something pinned, a motion lasts at most 10 s."

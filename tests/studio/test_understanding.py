@@ -58,3 +58,37 @@ def test_an_engine_that_does_not_say_is_left_alone(heard, settle, constrained):
     session.state.param.update(compose_tab="text", prompt="hop")
     settle(session)
     assert set(said) <= {""}
+
+
+def test_the_length_that_will_come_is_said_and_a_length_that_is_typed_stays(heard, settle, constrained):
+    session, _ = heard
+    state = session.state
+    state.action = "jump"
+    settle(session)
+    assert state.frames == 30
+    assert state.forecast().startswith("4 × 30 frames at 20 fps")
+    state.param.update(compose_tab="text", prompt="a person hops on one foot")
+    settle(session)
+    assert (state.frames, state.generate_settings().frames) == (60, None)
+    session.generate()
+    settle(session)
+    assert (constrained.calls[-1]["frames"], session.takes.get("take-5").frames) == (None, 60)
+    state.say_length(45)
+    state.prompt = "a person hops"
+    settle(session)
+    assert (state.as_long, state.frames, state.generate_settings().frames) == (False, 45, 45)
+    state.as_long = True
+    settle(session)
+    assert state.frames == 30
+    session.restore("take-5")
+    settle(session)
+    assert (state.as_long, state.prompt, state.frames) == (True, "a person hops on one foot", 60)
+
+
+def test_an_engine_that_finds_a_length_only_while_it_draws_says_none(heard, settle, constrained, monkeypatch):
+    session, _ = heard
+    monkeypatch.delattr(type(constrained), "expected_frames")
+    session.state.param.update(compose_tab="text", prompt="hop")
+    settle(session)
+    assert session.state.forecast() == "4 × as long as it takes at 20 fps"
+    assert session.state.generate_settings().frames is None

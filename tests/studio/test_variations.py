@@ -11,7 +11,7 @@ import engines
 from engines.errors import FormatError, MotionloomError, OutOfRangeError
 from studio import tasks
 from studio.pinned import Kept, Pinned
-from studio.settings import BLEND_STEPS, GenerateSettings, Settings, parse_settings
+from studio.settings import BLEND_STEPS, USUAL_FRAMES, GenerateSettings, Settings, parse_settings
 from tests.studio.fakes import FakeEngine, sway
 
 WALK = GenerateSettings(engine="action2motion", action="walk", seed=7, count=4, frames=40)
@@ -63,6 +63,12 @@ def test_a_sequence_is_drawn_with_a_seed_each(varying):
     assert [len(motion) for motion in motions] == [90, 90]
     (second,) = tasks.generate(replace(WALK, then=(("run", 30), ("bow", 20)), count=2, take=2))
     assert np.array_equal(second.rotations, motions[1].rotations)
+
+
+def test_what_is_made_of_parts_has_a_length_also_where_none_is_said(varying):
+    tasks.generate(replace(WALK, frames=None, then=(("run", 30),), count=1))
+    tasks.generate(replace(BLEND, frames=None))
+    assert (varying.calls[0]["segments"][0], varying.calls[1]["a"][2]) == (("walk", USUAL_FRAMES), USUAL_FRAMES)
 
 
 def test_a_start_is_gone_on_from_where_the_engine_knows_only_that(varying):
@@ -131,7 +137,6 @@ def test_settings_that_say_nothing_sensible(changes, words):
 def test_the_settings_file_holds_them():
     for asked in (BLEND, replace(WALK, then=(("run", 30), ("bow", 20)))):
         assert parse_settings(Settings(asked).to_json()).generate == asked
-    assert replace(WALK, then=(("run", 30),)).length == 70
     with pytest.raises(FormatError, match=r"generate\.then holds"):
         parse_settings('{"generate": {"then": [["run", "30"]]}}')
 

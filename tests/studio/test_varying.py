@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from studio import tasks
@@ -186,6 +188,16 @@ def test_a_change_of_action_at_the_playhead(varied, settle):
     settle(varied)
     assert varied.fake.calls[-1]["segments"] == parts
     assert varied.fake.calls[-1]["seed"] not in (7, 8)
+
+
+def test_a_take_as_long_as_it_took_changes_its_action_too(varied, settle):
+    take = varied.takes.get("take-2")
+    varied.keep(take.motion, replace(take.settings, frames=None), pytest.fail)
+    settle(varied)
+    varied.state.param.update(playhead=1.0, next_action="Run", next_seconds=1.5, count=1)
+    varied.varying.change()
+    settle(varied)
+    assert varied.fake.calls == [{"segments": [("walk", 20), ("run", 30)], "seed": 7}]
 
 
 def test_what_goes_wrong_is_said(varied, settle, monkeypatch):

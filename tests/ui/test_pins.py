@@ -93,6 +93,26 @@ def test_typed_words_are_generated(pinning, told):
     assert generate(pinning, told, 12)["action"] == "walk"
 
 
+def test_a_motion_lasts_as_long_as_it_takes_until_a_length_is_typed(pinning, told):
+    page = pinning.page
+    length, found = page.get_by_label("Length, seconds"), page.get_by_label("as long as it takes")
+    expect(found).to_be_checked()
+    page.get_by_role("tab", name="Text").click()
+    page.get_by_label("Describe the motion").fill("a person hops on one leg")
+    expect(length).to_have_value("3.0")
+    page.get_by_label("Describe the motion").fill("a person hops")
+    expect(length).to_have_value("1.5")
+    expect(page.get_by_text(re.compile("4 × 30 frames at 20 fps"))).to_be_visible()
+    assert generate(pinning, told)["frames"] is None
+    length.fill("2.5")
+    length.press("Enter")
+    expect(found).not_to_be_checked()
+    page.get_by_label("Describe the motion").fill("a person hops on one leg")
+    assert generate(pinning, told, 12)["frames"] == 50
+    found.check()
+    expect(length).to_have_value("3.0")
+
+
 def test_guidance_and_best_of(pinning, told):
     page = pinning.page
     page.get_by_role("button", name="Advanced").click()

@@ -165,7 +165,7 @@ def test_bvh_opens_in_another_program(tab, tmp_path):
     file = download(tab, lambda: page.get_by_role("button", name="Export take 1 as BVH").click())
     file.save_as(tmp_path / file.suggested_filename)
     tree = bvhio.readAsBvh(str(tmp_path / "take-1-walk.bvh"))
-    assert (tree.FrameCount, round(1 / tree.FrameTime)) == (60, 20)
+    assert (tree.FrameCount, round(1 / tree.FrameTime)) == (100, 20)
 
 
 def test_mp4_plays(tab, tmp_path):

@@ -7,10 +7,11 @@ import pytest
 import torch
 
 from engines.errors import Cancelled, MotionloomError, OutOfRangeError, UnknownLabelError
-from engines.loom import engine as loom
+from engines.loom import output
 from engines.loom.constraints import Constraints, Keep, Path, Pin
 from engines.loom.engine import LoomEngine
 from engines.loom.passes import LOOP
+from engines.loom.plan import natural_length
 from engines.loom.reach import Reach
 from engines.loom.representation import KNOWN, LAYOUT, kinematics
 from engines.motion import Motion
@@ -121,6 +122,21 @@ def test_an_action_done_once_is_done_again_when_asked_for_longer(engine: LoomEng
     assert {window.span for window in passes} == {WHOLE}
 
 
+def test_how_long_is_found_where_nobody_says_it(engine: LoomEngine) -> None:
+    usual = dict(zip(engine.config.actions, (middle for _, middle, _ in engine.config.usual_frames), strict=True))
+    thrown = engine.generate(prompt="someone throws a ball", frames=None)
+    assert len(thrown) == engine.expected_frames("throw") == usual["throw"]
+    assert thrown.provenance.parameters["frames"] == usual["throw"]
+    walked, both = engine.expected_frames("walk"), engine.expected_frames(prompt="a man walks, then throws a ball")
+    assert both == walked + usual["throw"]
+    assert len(engine.generate(None, frames=None, constraints=Constraints(loop=True))) == 80
+    slow = engine.config.replaced(usual_frames=((300, 400, 500),) * len(usual))
+    assert natural_length(slow, "throw") == slow.longest, "one window"
+    assert natural_length(slow, "walk") == natural_length(slow, None) + 20 == 100, "goes on as long as one likes"
+    with pytest.raises(UnknownLabelError):
+        engine.generate_many("thrwo", frames=None)
+
+
 def test_interpolation_ends_are_the_draws(engine: LoomEngine) -> None:
     a, b = engine.latents("walk", seed=1, frames=40), engine.latents("walk", seed=2, frames=40)
     made = engine.interpolate("walk", a, b, steps=4)
@@ -199,7 +215,7 @@ def test_the_smooth_one_is_the_best() -> None:
     smooth, shaken = movement(30), movement(30)
     path = shaken.translation + 0.05 * np.random.default_rng(0).normal(size=(30, 3))
     shaken = shaken.replaced(translation=path)
-    best = loom._best([shaken, smooth, smooth, shaken], 2)
+    best = output.best([shaken, smooth, smooth, shaken], 2)
     assert [m is smooth for m in best] == [True, True]
 
 

@@ -107,7 +107,7 @@ def test_names_go_there_and_back(folder: Path) -> None:
 def test_a_folder_makes_an_engine(folder: Path) -> None:
     engine = engines.load("tm2t", checkpoint=folder)
     assert (engine.name, engine.variant, engine.fps) == ("tm2t", "official", 20.0)
-    assert engine.capabilities == {"text", "caption"}
+    assert engine.capabilities == {"text", "lengths", "caption"}
     many = engine.generate_many(prompt="A person gallops", count=2, frames=18, seed=3)
     again = engine.generate_many(prompt="A person gallops", count=2, frames=18, seed=3)
     for index, (motion, same) in enumerate(zip(many, again, strict=True)):

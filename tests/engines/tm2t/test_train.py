@@ -64,7 +64,7 @@ def test_each_stage_learns_its_part_and_keeps_the_others(stages) -> None:
 def test_weights_make_an_engine(stages) -> None:
     engine = engines.load("tm2t", checkpoint=stages["t2m"])
     engine._encoder = FakeEncoder()
-    assert engine.capabilities == {"text", "caption", "word_attention", "tokens", "variants"}
+    assert engine.capabilities == {"text", "lengths", "caption", "word_attention", "tokens", "variants"}
     assert len(engine.generate(prompt="a person does throw", frames=10)) == 10
     assert engine.caption(clips(1)[0].motion)[0].sentence
     alone = engines.load("tm2t", checkpoint=stages["m2t"])
