@@ -30,7 +30,7 @@ class TM2TConfig(Config):
     text_size: int = 384
     """Their size."""
 
-    codes: int = 512
+    codes: int = 1024
     """K, entries of the codebook."""
     code_size: int = 192
     """Numbers of an entry."""
@@ -42,10 +42,12 @@ class TM2TConfig(Config):
     """gradient is the paper's; ema moves entries to the mean of what they stand for and wakes those never used."""
     codebook_decay: float = 0.99
     """Of the moving averages."""
-    codebook_least: float = 0.05
+    codebook_least: float = 0.3
     """An entry used less than this often a batch, on average, starts again from a latent of the batch; 0: never."""
     commitment: float = 0.25
     """beta of equation 6.3."""
+    movement_weight: float = 2.5
+    """On how positions and rotations change from frame to frame, in the tokenizer's loss; the thesis has 0."""
     vq_window: int = 64
     """Frames of a training window."""
     longest: int = 200
@@ -121,7 +123,7 @@ class TM2TConfig(Config):
         for name in ("teacher_forcing", "label_smoothing", "dropout", "codebook_decay"):
             if not 0 <= getattr(self, name) <= 1:
                 raise OutOfRangeError(name, getattr(self, name), "0 to 1")
-        for name in ("alignment", "commitment", "codebook_least", "learning_rate"):
+        for name in ("alignment", "commitment", "movement_weight", "codebook_least", "learning_rate"):
             if getattr(self, name) < 0:
                 raise OutOfRangeError(name, getattr(self, name), "0 or more")
         for name in ("vq_window", "longest"):
@@ -141,9 +143,9 @@ _COUNTS = (
 SMALL = TM2TConfig()
 PAPER = TM2TConfig(
     text_encoder="glove", text_size=300, codes=1024, code_size=1024, vq_width=1024, codebook_update="gradient",
-    commitment=1.0, longest=196, text_hidden=512, motion_hidden=1024, t2m_layers=3, m2t_layers=4, width=512, inner=2048,
-    heads=8, head_size=64, texts_each=1, label_balance=1.0, label_smoothing=0.0, learning_rate=2e-4,
-    final_learning_rate=2e-4, weight_decay=0.0, steps=200_000,
+    commitment=1.0, movement_weight=0.0, longest=196, text_hidden=512, motion_hidden=1024, t2m_layers=3, m2t_layers=4,
+    width=512, inner=2048, heads=8, head_size=64, texts_each=1, label_balance=1.0, label_smoothing=0.0,
+    learning_rate=2e-4, final_learning_rate=2e-4, weight_decay=0.0, steps=200_000,
 )  # fmt: skip
 """Thesis, section 6.3.3: the sizes, the rate, the teacher forcing; the words of GloVe."""
 PRESETS = {"small": SMALL, "paper": PAPER}

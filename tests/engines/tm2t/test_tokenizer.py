@@ -8,7 +8,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engines.tm2t.losses import vq_losses
+from engines.tm2t.losses import _movement, vq_losses
 from engines.tm2t.model import HIDDEN_FEATURES, LAYOUT
 from engines.tm2t.tokenizer import AveragedCodebook, Codebook, perplexity
 from tests.engines.tm2t.tiny import model
@@ -23,6 +23,22 @@ def test_contacts_are_told_and_not_given() -> None:
     assert torch.equal(net.tokenizer.encode(features), net.tokenizer.encode(other))
     assert net.tokenizer(features)[0].shape == features.shape
     assert vq_losses(net, other)["reconstruction"] > vq_losses(net, features)["reconstruction"]
+
+
+def test_a_swing_that_is_missing_counts_more_than_a_place_that_is_off() -> None:
+    """Of two tokenizers that are off by as much, one keeps how the body moves; in quiet windows it counts more."""
+    swing = torch.zeros(1, 40, LAYOUT.size)
+    swing[..., LAYOUT["positions"].start] = torch.sin(torch.arange(40.0))
+    off = swing + 2 / np.pi  # a sine is so far from zero on average
+    missing = _movement(torch.zeros_like(swing), swing)
+    assert missing > 0
+    assert _movement(off, swing) == pytest.approx(0, abs=1e-6)
+    lively = swing.clone()
+    lively[..., LAYOUT["rotations"]] = torch.randn(40, LAYOUT.part("rotations").size)
+    still = lively.clone()
+    still[..., LAYOUT["positions"]] = 0
+    assert _movement(still, lively) < missing
+    assert "movement" not in vq_losses(model(movement_weight=0.0), swing)
 
 
 @pytest.mark.parametrize("frames", [4, 7, 30, 61])
@@ -58,7 +74,7 @@ def test_by_gradients_both_sides_come_nearer() -> None:
     net = model(codebook_update="gradient")
     net.freeze_all_but("tokenizer")
     terms = vq_losses(net, torch.randn(2, 16, LAYOUT.size))
-    assert set(terms) == {"reconstruction", "codebook", "commitment"}
+    assert set(terms) == {"reconstruction", "movement", "codebook", "commitment"}
     torch.testing.assert_close(terms["commitment"], net.config.commitment * terms["codebook"])
     terms["codebook"].backward()
     book = net.tokenizer.codebook.weight
