@@ -75,7 +75,7 @@ def make_app(queue: JobQueue | None = None, keeping: Keeping | None = None) -> p
         StudioState(), queue=queue, dispatch=_on_document(doc), library=kept.library, problem=kept.problem
     )
     link = Link.of_page(kept.library)
-    session.state.frame = link.frame
+    session.state.param.update(frame=link.frame, compose_tab=link.tab)
     page = _lay_out(session)
     atexit.register(session.close)
 
@@ -84,7 +84,7 @@ def make_app(queue: JobQueue | None = None, keeping: Keeping | None = None) -> p
         session.close()
 
     pn.state.on_session_destroyed(leave)
-    pn.state.onload(lambda: session.start(link.project, link.take, link.asked))
+    pn.state.onload(lambda: session.start(link.project, link.take, link.asked, link.compared))
     if kept.library is not None:
         pn.state.add_periodic_callback(session.projects.refresh, period=_LOOK_EVERY)
     return page

@@ -169,6 +169,13 @@ class Arranging:
 
     # ---- what is there to be shown ------------------------------------------------------------------------
 
+    def enter(self) -> None:
+        """A project was opened: the blocks it holds were worked on last, whichever take is picked."""
+        take = self.session.state.take()
+        if self._own:
+            self._asked = take.settings.sequence if take and take.settings else EMPTY
+            self._show(self._own)
+
     def follow(self) -> None:
         """Show the blocks that the project holds, if they are others than before."""
         said = self.session.takes.store.sequence

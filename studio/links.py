@@ -1,6 +1,8 @@
 """Links that show a project, a take and a frame: `?project=6fb8e4c4b851&take=3&frame=52`.
 
-The address of the page follows what is shown. Without a link, a cookie says which project this browser had open last.
+The open tab (`&tab=text`) and the takes that are compared (`&compare=1.4`) go with them. The address of the page
+follows what is shown, so that a page that is loaded again shows the same, after a kill too. Without a link, a cookie
+says which project this browser had open last.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from studio.library import Library
+from studio.state import FIRST_TAB, TABS, StudioState
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,10 @@ class Link:
     """Id of a take; empty: the first."""
     frame: int = -1
     """Frame to stand at; -1: play."""
+    tab: str = FIRST_TAB
+    """Tab of the left panel."""
+    compared: tuple[str, ...] = ()
+    """Ids of the takes that are ticked."""
     asked: bool = False
     """The address names the project (and not the cookie)."""
 
@@ -48,8 +55,23 @@ class Link:
 
         named = first("project", r"([0-9a-f]{1,32})")
         number, frame = first("take", r"(?:take-)?(\d{1,9})"), first("frame", r"(\d{1,9})")
+        tab, ticked = first("tab", f"({'|'.join(TABS)})"), first("compare", r"(\d{1,9}(?:\.\d{1,9}){0,99})")
         project = named or (cookies.get(cookie(library), "") if library else "")
-        return cls(project, f"take-{number}" if number else "", int(frame) if frame else -1, bool(named))
+        return cls(
+            project, f"take-{number}" if number else "", int(frame) if frame else -1, tab or FIRST_TAB,
+            tuple(f"take-{one}" for one in ticked.split(".") if one), bool(named),
+        )  # fmt: skip
+
+    @staticmethod
+    def of_state(state: StudioState) -> dict[str, str]:
+        """The parts of an address that shows the same again, by name; those that are empty are left out of it."""
+        return {
+            "project": state.project,
+            "take": state.selected.removeprefix("take-"),
+            "frame": str(state.frame) if state.frame >= 0 and state.selected else "",
+            "tab": "" if state.compose_tab == FIRST_TAB else state.compose_tab,
+            "compare": ".".join(take.removeprefix("take-") for take in state.compared),
+        }
 
 
 def cookie(library: str) -> str:

@@ -10,7 +10,7 @@ import logging
 import random
 import threading
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -84,7 +84,7 @@ class Session:
 
     # ---- life ---------------------------------------------------------------------------------------------
 
-    def start(self, project: str = "", take: str = "", asked: bool = False) -> None:
+    def start(self, project: str = "", take: str = "", asked: bool = False, compared: Sequence[str] = ()) -> None:
         """Open a project and load the engine; only once.
 
         In an empty project that nobody worked in takes are drawn at once, so that a newcomer sees people moving.
@@ -93,12 +93,16 @@ class Session:
             project: key of the project to open; a new one where it is not there.
             take: id of the take to pick.
             asked: a link names them.
+            compared: ids of the takes to tick.
         """
         if self.state.engines:
             return
         self.state.engines = engines.available()
         self.projects.first(project, asked)
         self.select(take)
+        self.arranging.enter()
+        if compared:
+            self.compare_these(list(compared))
         self._load_engine(then=None if self.state.takes or self.takes.undo_name else self.generate)
 
     def enter(self, store: TakeStore) -> None:
@@ -108,6 +112,7 @@ class Session:
         self.state.param.update(selected="", compared=[], search="", thumbnails=store.pictures(), generate_note="")
         self.state.captions = kept(store)
         self._takes_changed(self.takes)
+        self.arranging.enter()
         bare = [take for take in self.takes if take.id not in self.state.thumbnails]
         if bare:
             self._draw_pictures(bare)

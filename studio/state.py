@@ -29,6 +29,9 @@ from studio.settings import (
 from studio.takes import Take
 from studio.wording import counted, duration
 
+TABS = ("action", "text", "style", "sequence", "vary", "character", "import")
+"""Of the left panel."""
+FIRST_TAB = TABS[0]
 LONGEST_PINNED = 200
 """Frames of a motion of which something is pinned, where an engine does not say."""
 
@@ -131,11 +134,7 @@ class StudioState(param.Parameterized):
     body_error = param.String("", doc="Why the body asked for cannot be shown.")
 
     # ---- which panels are open ----
-    compose_tab = param.Selector(
-        default="action",
-        objects=["action", "text", "style", "sequence", "vary", "character", "import"],
-        doc="Tab of the left panel.",
-    )
+    compose_tab = param.Selector(default=FIRST_TAB, objects=list(TABS), doc="Tab of the left panel.")
     inspector_tab = param.Selector(
         default="details", objects=["details", "body", "export"], doc="Tab of the inspector."
     )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from engines import __version__
 from studio import casting, links
 from studio.session import Session
@@ -52,7 +50,8 @@ def page(session: Session, bar: TopBar) -> Page:
     )
     tie(whole, state, theme="theme", message="message")
     follow(whole, state, ["scene"], lambda: {"title": f"{state.scene} · motionloom"})
-    follow(whole, state, ["project", "selected", "frame"], lambda: {"address": _address(session)})
+    shown = ["project", "selected", "frame", "compose_tab", "compared"]
+    follow(whole, state, shown, lambda: {"address": links.Link.of_state(state)})
 
     def import_file(_message: dict) -> None:
         state.compose_tab = "import"
@@ -71,13 +70,3 @@ def page(session: Session, bar: TopBar) -> Page:
     made = {"style": session.styling.stylise, casting.TAB: session.casting.make}
     whole.on("generate", lambda _: made.get(state.compose_tab, session.generate)())
     return whole
-
-
-def _address(session: Session) -> dict[str, Any]:
-    """What the page's address says, so that it shows the same when it is opened again."""
-    state = session.state
-    return {
-        "project": state.project,
-        "take": state.selected.removeprefix("take-"),
-        "frame": str(state.frame) if state.frame >= 0 and state.selected else "",
-    }

@@ -24,10 +24,10 @@ def begin(engine, queue, library, settle):
     """`begin("key")`: a session on the library, once its first work is done."""
     sessions = []
 
-    def new(project: str = "", take: str = "", asked: bool = False, **options) -> Session:
+    def new(project: str = "", take: str = "", asked: bool = False, compared=(), **options) -> Session:
         session = Session(queue=queue, library=library, **options)
         sessions.append(session)
-        session.start(project, take, asked)
+        session.start(project, take, asked, compared)
         settle(session)
         return session
 
@@ -77,6 +77,29 @@ def test_a_reload_and_a_restart_bring_everything_back(begin, engine, settle):
     assert state.engine_ready
     again.undo()
     assert ids(again) == ["take-1", "take-2", "take-3", "take-4"]
+
+
+def test_ticks_come_back_as_far_as_their_takes_are_there(begin):
+    first = begin()
+    first.compare_these(["take-1", "take-3"])
+    first.delete("take-4")
+    again = begin(first.state.project, "take-3", compared=("take-1", "take-3", "take-4", "take-77")).state
+    assert (again.compared, again.shown, again.stage_mode) == (["take-1", "take-3"],) * 2 + ("compare",)
+
+
+def test_blocks_that_were_not_made_yet_come_back_whichever_take_is_picked(begin, settle):
+    first = begin()
+    first.state.compose_tab = "sequence"
+    first.arranging.add({"what": "walk"})
+    first.generate()
+    settle(first)
+    made = first.state.selected
+    first.arranging.add({"what": "run"})
+    again = begin(first.state.project, made)
+    assert [block.what for block in again.state.sequence.blocks] == ["walk", "run"]
+    again.select("take-1")
+    again.select(made)
+    assert [block.what for block in again.state.sequence.blocks] == ["walk", "run"]
 
 
 def test_pictures_that_were_never_drawn_are_drawn_now(begin, library, settle):

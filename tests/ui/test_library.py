@@ -189,6 +189,12 @@ def test_a_studio_that_is_killed_comes_back_with_everything(context, folder, por
         tab.page.get_by_role("radio", name="BVH").click()
         with tab.page.expect_download():
             tab.page.get_by_role("button", name="Export take 3 as BVH").click()
+        for number in (1, 3):
+            tab.page.get_by_role("button", name=re.compile(f"^Take {number}, ")).click(modifiers=["Control"])
+        tab.page.get_by_role("tab", name="Sequence").click()
+        tab.page.get_by_role("option", name="walk", exact=True).click()
+        tab.page.get_by_role("option", name="run", exact=True).click()
+        expect(tab.button("Undo add run")).to_be_enabled()
         saved(tab)
         assert list(folder.glob("motionloom-*"))
         server.send_signal(signal.SIGKILL)
@@ -201,7 +207,14 @@ def test_a_studio_that_is_killed_comes_back_with_everything(context, folder, por
         expect(tab.page.get_by_label("Project name")).to_have_value("Survivor")
         expect(tab.button("Star Take 2")).to_have_attribute("aria-pressed", "true")
         expect(tab.page.get_by_text("What made take 3")).to_be_visible()
-        tab.button("Undo star take 2").click()
+        expect(tab.page.get_by_role("tab", name="Sequence")).to_have_attribute("aria-selected", "true")
+        wait_for(
+            lambda: tab.player("player.sequence?.blocks?.map(block => block.what)") == ["walk", "run"], "the blocks"
+        )
+        wait_for(lambda: tab.player("player.actors.map(a => a.take.name)") == ["Take 1", "Take 3"], "those compared")
+        assert {"tab=sequence", "compare=1.3"} <= set(address(tab).split("&"))
+        for step in ("add run", "add walk", "star take 2"):
+            tab.button(f"Undo {step}").click()
         expect(tab.button("Star Take 2")).to_have_attribute("aria-pressed", "false")
     finally:
         server.terminate()
