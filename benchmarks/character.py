@@ -5,9 +5,8 @@ Run: python benchmarks/character.py
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
+from clock import best
 
 from engines.character.arap import AsRigidAsPossible
 from engines.character.mesh import Surface, cleaned
@@ -22,16 +21,6 @@ LONGEST = (None, 0.02, 0.014)
 REPEATS = 5
 
 
-def best(work) -> float:
-    """Milliseconds of the fastest of several runs."""
-    taken = []
-    for _ in range(REPEATS):
-        began = time.perf_counter()
-        work()
-        taken.append(time.perf_counter() - began)
-    return min(taken) * 1e3
-
-
 def row(body: Template, longest: float | None) -> None:
     first = cleaned(Surface(body.vertices, body.faces))
     surface = first if longest is None else halved(first, longest)
@@ -39,12 +28,12 @@ def row(body: Template, longest: float | None) -> None:
     rng = np.random.default_rng(0)
     skin = rng.integers(0, 22, (count, 4)), rng.dirichlet(np.ones(4), count)
     matrices = np.tile(np.eye(3, 4), (22, 1, 1))
-    skinning = best(lambda: np.einsum("nab,nb->na", blended(matrices, *skin)[:, :, :3], surface.vertices))
+    skinning = best(lambda: np.einsum("nab,nb->na", blended(matrices, *skin)[:, :, :3], surface.vertices), REPEATS)
     bent = surface.vertices + 0.05 * np.sin(8 * surface.vertices[:, ::-1])
     hold = np.full(count, FREE)
     solver = AsRigidAsPossible(surface.vertices, surface.faces, hold)
-    factoring = best(lambda: AsRigidAsPossible(surface.vertices, surface.faces, hold))
-    posing = best(lambda: solver.deformed(bent))
+    factoring = best(lambda: AsRigidAsPossible(surface.vertices, surface.faces, hold), REPEATS)
+    posing = best(lambda: solver.deformed(bent), REPEATS)
     print(f"{count:>10,}{skinning:>16.1f}{factoring:>14.0f}{posing:>20.0f}{posing / skinning:>9.0f}")
 
 

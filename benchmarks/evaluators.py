@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 import torch
+from clock import best
 
 from engines.action2motion.representation import encode
 from engines.metrics.evaluators import trunk
@@ -22,18 +23,8 @@ RUNS, MOTIONS = 4, 64
 RNG = np.random.default_rng(0)
 
 
-def best(work: Callable[[], object]) -> float:
-    """Processor milliseconds of the fastest of several runs."""
-    taken = []
-    for _ in range(RUNS):
-        began = time.process_time()
-        work()
-        taken.append(time.process_time() - began)
-    return min(taken) * 1e3
-
-
 def row(name: str, plain: Callable[[], object], ours: Callable[[], object]) -> None:
-    slow, quick = best(plain), best(ours)
+    slow, quick = best(plain, RUNS, time.process_time), best(ours, RUNS, time.process_time)
     print(f"{name:<44}{slow:>10.1f}{quick:>10.1f}{slow / quick:>8.1f}")
 
 

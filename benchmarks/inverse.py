@@ -6,9 +6,9 @@ Run: python benchmarks/inverse.py [clip.bvh]. Without a file, the clip is made u
 from __future__ import annotations
 
 import sys
-import time
 
 import numpy as np
+from clock import best
 
 from engines.formats import bvh
 from engines.geometry import inverse, kinematics, rotations
@@ -27,21 +27,13 @@ def made_up(fps: float) -> Motion:
     return Motion(SMPL22, rotations.rotvec_to_quaternion(swing), np.zeros((len(times), 3)), fps)
 
 
-def best(work) -> float:
-    """Milliseconds of the fastest of several runs."""
-    taken = []
-    for _ in range(REPEATS):
-        began = time.perf_counter()
-        work()
-        taken.append(time.perf_counter() - began)
-    return min(taken) * 1e3
-
-
 def row(name: str, motion: Motion) -> None:
     positions, skeleton = motion.positions, motion.skeleton
     local = rotations.quaternion_to_matrix(motion.rotations)
-    forward = best(lambda: kinematics.forward_kinematics(local, motion.translation, skeleton.offsets, skeleton.parents))
-    back = best(lambda: inverse.inverse(positions, skeleton))
+    forward = best(
+        lambda: kinematics.forward_kinematics(local, motion.translation, skeleton.offsets, skeleton.parents), REPEATS
+    )
+    back = best(lambda: inverse.inverse(positions, skeleton), REPEATS)
     error = np.abs(Motion.from_positions(positions, skeleton, motion.fps).positions - positions).max()
     print(
         f"{name:<24}{len(motion):>7}{len(skeleton):>8}{forward:>13.2f}{back:>13.2f}{back / forward:>9.1f}"

@@ -39,7 +39,7 @@ _RULES: tuple[tuple[str, str], ...] = (
 
 
 class CMU:
-    """182 clips of 120 Hz capture; those in ASF/AMC need a reader this project does not have yet and are left out."""
+    """182 clips of 120 Hz capture, in BVH; those in ASF/AMC, which `engines.read` takes one by one, are left out."""
 
     name = "cmu"
     archive = "cmu-mocap-subset.tar.xz"
@@ -70,7 +70,7 @@ class CMU:
     def read(self, clip: ClipInfo) -> Motion:
         """A clip on `smpl22`; the first frame of most files is a T-pose, the reference, and is then dropped."""
         if clip.path.suffix.lower() != ".bvh":
-            raise FormatError(clip.path, "ASF/AMC is not read; accepted: BVH")
+            raise FormatError(clip.path, "this data set is read from BVH alone; engines.read takes ASF/AMC")
         from engines.skeletons import SMPL22
 
         motion = bvh.read(clip.path)

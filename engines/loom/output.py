@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from torch import Tensor
 
+from engines.geometry.resample import count
 from engines.loom.constraints import Constraints, Known, words
 from engines.loom.footing import on_feet
 from engines.loom.representation import decode
@@ -87,7 +88,7 @@ def unmet(motion: Motion, constraints: Constraints) -> list[str]:
 def labels(segments: Sequence[tuple[Request, int]], pinned: Constraints, fps: float) -> tuple[Segment, ...]:
     """What is done when; what a motion goes on from keeps its own name."""
     given = [keep for keep in pinned.kept if keep.at == 0 and keep.placed and not keep.parts and len(keep.motion) > 1]
-    begun = max((len(keep.motion.resample(fps)) for keep in given), default=0)
+    begun = max((count(len(keep.motion), keep.motion.fps, fps) for keep in given), default=0)
     found = [Segment(0, begun, "action", given[0].motion.label_at(0) or "given")] if begun else []
     at = 0
     for request, frames in segments:
