@@ -28,13 +28,14 @@ class Description:
 
     def measures(self) -> list[quality.Measure]:
         """How well it fits, to be shown beside a take's other measures."""
-        prompt = (
-            [quality.fit(self.prompt_fit, "prompt_fit", "Fits the prompt", "prompt")]
-            if self.prompt_fit is not None
-            else []
-        )
-        caption = [quality.fit(self.fit, "fit", "Caption fits", "caption")] if self.fit is not None else []
-        return prompt + caption
+        caption = [] if self.fit is None else [quality.fit(self.fit, "fit", "Caption fits", "caption")]
+        return [*self.prompt_measure(), *caption]
+
+    def prompt_measure(self) -> list[quality.Measure]:
+        """How well the prompt is met; none where there was none."""
+        if self.prompt_fit is None:
+            return []
+        return [quality.fit(self.prompt_fit, "prompt_fit", "Prompt is met", "prompt")]
 
     def to_json(self) -> dict[str, Any]:
         """As JSON values."""

@@ -18,6 +18,7 @@ from typing import Any
 import engines
 from studio import draws, tasks, thumbnails
 from studio.arranging import Arranging
+from studio.attention import Attention
 from studio.captioning import Captioning, kept
 from studio.casting import Casting
 from studio.dressing import Dressing
@@ -76,6 +77,7 @@ class Session:
         self.captioning = Captioning(self)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
+        self.attention = Attention(self, self.editing.motion)
         self._draws = 0
         self._loaded = ("", "")
         self.state.param.watch(self._restage, ["selected", "stage_mode", "compared"])

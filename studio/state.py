@@ -113,6 +113,8 @@ class StudioState(param.Parameterized):
     selected = param.String("", doc="Id of the take that the inspector shows and an export writes.")
     shown = param.List([], doc="Ids of the takes on the stage.")
     compared = param.List([], doc="Ids ticked for comparison.")
+    strips = param.Dict({}, doc="What stands under the timeline of the picked take; see `studio.attention`.")
+    open_strips = param.String("words", doc="Those of them that are open, by name, commas between.")
     stage_mode = param.Selector(default="all", objects=["all", "one", "compare"], doc="Which takes the stage shows.")
     thumbnails = param.Dict({}, doc="Take id -> picture as a data URI.")
     search = param.String("", doc="What is looked for among the takes; see `studio.library.query`.")

@@ -57,6 +57,8 @@ class WordAttention:
     """(t, words) float32, rows add to 1."""
     codes: np.ndarray
     """(t,) the tokens, four frames each."""
+    frames: int = FRAMES_A_TOKEN
+    """Of a token."""
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def compose_form(session: Session, field: ActionField) -> pn.Column:
     state = session.state
     words = _prompt(session)
     folds = column(_constraints(session), _advanced(session), gap=6)
-    asked = column(field, words, _shape(session), lengths(session), folds, gap=10)
+    asked = column(field, words, _shape(session), folds, gap=10)
     files = column(_upload(session), html(_readable()), gap=18)
     varied, styled, cast = vary(session), style_form(session), character_form(session)
 
@@ -218,7 +218,7 @@ def _shape(session: Session) -> pn.Column:
     tie(count, state, value="count")
     tie(seed, state, value="seed", locked="seed_locked")
     engine, variant = _engine(session)
-    lines = [row(_length(session), count), row(seed, variant, _style(session), wrap=118)]
+    lines = [row(_length(session), count), lengths(session), row(seed, variant, _style(session), wrap=118)]
     count.styles = {**count.styles, "flex": "0 0 84px"}
     box = column(*lines, gap=10)
     state.param.watch(

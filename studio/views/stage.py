@@ -103,7 +103,8 @@ class _Stage:
             theme=state.theme, global_keys=True, playing=state.frame < 0, frame=max(0, state.frame),
             editable=",".join(f"{name}={WORDS[name]}" for name in EDITS),
         )  # fmt: skip
-        tie(player, state, theme="theme", tool="tool")
+        tie(player, state, theme="theme", tool="tool", open_strips="open_strips")
+        follow(player, state, ["strips"], lambda: {"strips": state.strips})
         follow(player, state, ["pinned", "fps", "capabilities", "request"], lambda: {"pinned": _pins(self.session)})
         player.param.watch(self._picked, "selected")
         player.param.watch(self._moved, ["frame", "playing"])

@@ -69,7 +69,7 @@ def card(take: Take, metrics: Mapping[str, float], said: Description = NOTHING_S
         "group": take.group,
         "measures": [
             {"name": m.name, "text": m.text, "real": m.real, "level": m.level, "word": m.word}
-            for m in [*measures(metrics), *said.measures()[:1]]
+            for m in [*said.prompt_measure(), *measures(metrics)]
         ],
         "favourite": take.favourite,
         "accepted": take.accepted,

@@ -59,6 +59,7 @@ def test_a_length_that_is_there_is_taken_over_and_no_other(shown, settle):
     for seconds in (2.0, 777.0):
         part._process_event(DataEvent(None, {"do": "take", "seconds": seconds}))
     assert session.state.frames == 40
+    assert not session.state.as_long
 
 
 def test_a_prompt_that_cannot_be_read_has_none(shown, settle):

@@ -88,6 +88,7 @@ class Controls:
         ("none", "path", "joint"),
     )
     block: str = option("", "Id of the picked block of `sequence`.")
+    open_strips: str = option("words", "Those of `strips` that are open, by name, commas between; `all`: every token.")
     controls: str = option("full", "How much there is around the stage.", ("full", "minimal", "none"))
     sync_url: bool = option(False, "Keep the frame in the page's address (#frame=52), and start from it.")
     global_keys: bool = option(False, "Keys work anywhere on the page, not only while the player has the focus.")
@@ -103,6 +104,13 @@ class Controls:
         {},
         "Shown beside the picked figure and on the ruler: `path` [[x, z]], `poses` [{frame, rotations (J * 4 wxyz), "
         "root}], `joints` [{joint, frame, place}], `stretches` [[start, end)]; frames at the rate `fps`.",
+    )
+    strips: dict[str, Any] = option(
+        {},
+        "What stands under the timeline of the picked figure. `words` {text, weights (steps x words), seconds a step}: "
+        "which words each moment came from; `tokens` {codes, seconds of one, all (how many there are), figures "
+        "{parents, head, points {code: frames of [x, y, ...], 0 to 100}}}. Without its fields one is offered, to be "
+        "filled once it is open (`open_strips`).",
     )
     sequence: dict[str, Any] = option(
         {},
@@ -121,7 +129,7 @@ class Controls:
 
 OPTIONS: dict[str, Option] = {name: value for name, value in vars(Controls).items() if isinstance(value, Option)}
 FROM_BROWSER = ("ready", "error", "drawn", "arranged")
-PAYLOADS = ("body_data", "take_data", "pinned", "sequence")
+PAYLOADS = ("body_data", "take_data", "pinned", "strips", "sequence")
 
 
 class Player(Controls):

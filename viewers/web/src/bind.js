@@ -30,6 +30,7 @@ export function bind(model, player) {
   on("frame", () => receiveFrame(player, model.get("frame")));
   on("body_data", () => player.setBody(model.get("body_data")));
   on("pinned", () => player.setPins(model.get("pinned")));
+  on("strips", () => player.setStrips(model.get("strips")));
   on("sequence", () => player.setSequence(model.get("sequence")));
   on("take_data", () => player.setTakes(model.get("take_data")));
   undo.push(sendBack(model, player, send));
@@ -44,6 +45,7 @@ function receiveAll(model, player) {
   }
   player.setTakes(model.get("take_data"));
   player.setPins(model.get("pinned"));
+  player.setStrips(model.get("strips"));
   player.setSequence(model.get("sequence"));
   player.set("selection", model.get("selection") ?? []);
   player.seek(model.get("frame") ?? 0);

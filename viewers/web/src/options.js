@@ -33,6 +33,7 @@ export const OPTIONS = {
   controls: oneOf("full", "minimal", "none"),
   tool: oneOf("none", "path", "joint"),
   block: text(""),
+  open_strips: text("words"),
   playing: flag(false),
   speed: number(1, SPEED.min, SPEED.max),
   loop: { ...oneOf(...LOOPS), fallback: "all" },

@@ -21,7 +21,8 @@ const CROWD = 4; // more figures than this are drawn with the coarser mesh
  * Events (addEventListener): "option" {name, value} when an option changed by itself or by hand,
  * "tick" for every picture, "settle" when a still frame was reached (pause, step, end of scrubbing), "takes",
  * "pins" when what is pinned changed, "drawn" {kind: "path" | "joint", ...} when the tool in hand drew something,
- * "sequence" when the blocks to arrange changed, "arranged" {do, id, ...} when a person did something to them.
+ * "sequence" when the blocks to arrange changed, "arranged" {do, id, ...} when a person did something to them, "strips"
+ * when what stands under the timeline changed.
  */
 export class MotionPlayer extends EventTarget {
   constructor(canvas) {
@@ -30,6 +31,7 @@ export class MotionPlayer extends EventTarget {
     this.clock = new Clock();
     this.actors = [];
     this.sequence = {};
+    this.strips = {};
     this.body = null;
     this.geometry = null;
     this.hovered = -1;
@@ -95,6 +97,12 @@ export class MotionPlayer extends EventTarget {
   setSequence(data) {
     this.sequence = data ?? {};
     this.#announce("sequence");
+  }
+
+  /** What stands under the timeline of the picked figure: see `strips` in controls.py; nothing where it is empty. */
+  setStrips(data) {
+    this.strips = data ?? {};
+    this.#announce("strips");
   }
 
   /** New size of the stage, in CSS pixels; the first one also frames what there is. */

@@ -8,6 +8,8 @@ import { h } from "./ui/dom.js";
 import { Help } from "./ui/help.js";
 import { listenToKeys } from "./ui/keys.js";
 import { Names } from "./ui/names.js";
+import { Strips } from "./ui/strips.js";
+import stripsCss from "./ui/strips.css";
 import { Timeline } from "./ui/timeline.js";
 import { ToolHint } from "./ui/hint.js";
 import { Toolbar } from "./ui/toolbar.js";
@@ -23,7 +25,7 @@ export class Widget {
     this.status = h("div", { class: "status", role: "status", "aria-live": "polite" });
     this.view = h("div", { class: "stage" }, this.canvas);
     this.frame = h("div", { class: "player", role: "region", "aria-label": "Motion player" }, this.view, this.status);
-    this.root.append(h("style", {}, css, sequencerCss), this.frame);
+    this.root.append(h("style", {}, css, sequencerCss, stripsCss), this.frame);
     el.append(this.host);
     this.undo = [() => this.host.remove()];
     this.paint(resolveTheme(theme));
@@ -40,11 +42,13 @@ export class Widget {
     this.names = new Names(this.player);
     this.transport = new Transport(this.player, commands);
     this.timeline = new Timeline(this.player);
+    this.strips = new Strips(this.player);
+    this.timeline.lanes.after(this.strips.element);
     this.sequencer = new Sequencer(this.player);
     this.hint = new ToolHint(this.player);
     this.view.append(this.names.element, this.toolbar.element, this.sequencer.plan.element, this.hint.element);
     this.frame.append(this.transport.element, this.timeline.element, this.sequencer.element, this.help.element);
-    this.undo.unshift(() => this.timeline.dispose(), () => this.sequencer.dispose());
+    this.undo.unshift(() => this.timeline.dispose(), () => this.strips.dispose(), () => this.sequencer.dispose());
     this.#listen();
     this.#pointer();
     this.player.resize(this.view.clientWidth, this.view.clientHeight);
@@ -71,7 +75,7 @@ export class Widget {
     });
     player.addEventListener("sequence", () => { this.timeline.element.hidden = this.sequencer.shown; });
     player.addEventListener("tick", () => {
-      for (const part of [this.names, this.toolbar, this.transport, this.timeline, this.sequencer]) part.tick();
+      for (const part of [this.names, this.toolbar, this.transport, this.timeline, this.strips, this.sequencer]) part.tick();
     });
   }
 
@@ -79,7 +83,7 @@ export class Widget {
     const { player } = this;
     this.paint(player.themeName);
     this.frame.dataset.controls = player.options.controls;
-    for (const part of [this.names, this.toolbar, this.hint, this.transport, this.timeline, this.sequencer]) part.refresh();
+    for (const part of [this.names, this.toolbar, this.hint, this.transport, this.timeline, this.strips, this.sequencer]) part.refresh();
   }
 
   paint(theme) {
