@@ -32,6 +32,14 @@ class Dressing:
         """Bodies as they come, by name; those of files are read once a session."""
         self._kept: Mapping[str, Any] = {}
         """What the project said last."""
+        self._worn: tuple[str, Mapping[str, float]] = (_usual(), {})
+        """The body that the stage wears, and its shape."""
+
+    @property
+    def settled(self) -> bool:
+        """Whether the stage wears what the project says: no slider is being dragged, no file being read."""
+        said = self.session.takes.store.body
+        return self._worn == (said.get("name", _usual()), said.get("shape", {}))
 
     # ---- what a person does -------------------------------------------------------------------------------
 
@@ -119,6 +127,7 @@ class Dressing:
     def _put_on(self, problem: str = "") -> None:
         """The body that the state names, in its shape; the usual one, and a word on why, where that cannot be."""
         state = self.session.state
+        self._worn = state.body, dict(state.shape)
         base = self._loaded.get(state.body)
         worn: Any = _usual()
         if base is not None:

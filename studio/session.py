@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 import engines
-from studio import draws, tasks, thumbnails
+from studio import draws, tasks
 from studio.arranging import Arranging
 from studio.attention import Attention
 from studio.captioning import Captioning, kept
@@ -32,6 +32,7 @@ from studio.projects import Projects
 from studio.settings import GenerateSettings
 from studio.state import StudioState
 from studio.styling import Styling
+from studio.take_pictures import TakePictures
 from studio.takes import Take, TakeList, TakeStore
 from studio.varying import Varying
 from studio.wording import counted
@@ -74,10 +75,11 @@ class Session:
         self.arranging = Arranging(self)
         self.dressing = Dressing(self)
         self.casting = Casting(self)
+        self.pictures = TakePictures(self)
         self.captioning = Captioning(self)
+        self.attention = Attention(self, self.editing.motion)
         self.projects = Projects(self, library, problem)
         self._drawing: Job | None = None
-        self.attention = Attention(self, self.editing.motion)
         self._draws = 0
         self._loaded = ("", "")
         self.state.param.watch(self._restage, ["selected", "stage_mode", "compared"])
@@ -115,9 +117,7 @@ class Session:
         self.state.captions = kept(store)
         self._takes_changed(self.takes)
         self.arranging.enter()
-        bare = [take for take in self.takes if take.id not in self.state.thumbnails]
-        if bare:
-            self._draw_pictures(bare)
+        self.pictures.renew()
 
     def close(self) -> None:
         """Stop the work, remove the files of this session, and save what waits."""
@@ -221,7 +221,7 @@ class Session:
         if pick:
             mode = "all" if self.state.stage_mode == "compare" else self.state.stage_mode
             self.state.param.update(selected=made[0].id, stage_mode=mode)
-        self._draw_pictures(made)
+        self.pictures.draw(made)
 
     def keep(self, motion: engines.Motion, settings: GenerateSettings, failed: Callable[[str], None]) -> None:
         """Make a take of a motion that is there already.
@@ -247,28 +247,6 @@ class Session:
                 self.styling.beside(made)
 
         self.submit("keep", work, show)
-
-    def _draw_pictures(self, made: list[Take]) -> None:
-        """Thumbnails, drawn one after another and kept with the takes."""
-        drawn: dict[str, str] = {}
-        store = self.takes.store
-
-        def draw(progress, _cancel) -> None:
-            from viewers.scene import PALETTE
-
-            for count, take in enumerate(made, 1):
-                place = (take.settings.take or count) - 1 if take.settings else count - 1
-                drawn[take.id] = thumbnails.thumbnail(take.motion, PALETTE[place % len(PALETTE)])
-                progress(count, len(made))
-            store.keep_pictures({take.number: drawn[take.id] for take in made})
-
-        def show(job: Job) -> None:
-            if job.status == "failed":
-                log.warning("no thumbnails: %s", job.error)
-            if store is self.takes.store:
-                self.state.thumbnails = {**self.state.thumbnails, **drawn}
-
-        self.submit("thumbnails", draw, show, lane="still")
 
     # ---- takes --------------------------------------------------------------------------------------------
 

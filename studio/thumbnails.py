@@ -17,8 +17,16 @@ SIZE = 128
 _own = threading.local()
 
 
-def thumbnail(motion: Motion, colour: str | None = None) -> str:
+def thumbnail(motion: Motion, colour: str | None = None, body: Any = "anny") -> str:
     """The most telling frame of a motion as a data URI (WebP, transparent around the body).
+
+    Args:
+        motion: of any skeleton.
+        colour: of the clothes, "#rrggbb"; the first of the stage's if none.
+        body: name of a body, or a `viewers.bodies.Body`.
+
+    Raises:
+        SkeletonError: that body cannot wear the motion.
 
     Call it from the "still" lane of the job queue only: the renderer belongs to the thread that made it.
     """
@@ -30,7 +38,7 @@ def thumbnail(motion: Motion, colour: str | None = None) -> str:
         from viewers.moderngl_renderer import Renderer
 
         _own.renderer = Renderer(SIZE, SIZE)
-    image = Image.fromarray(cut_out(_own.renderer, scene.thumbnail(motion, colour=colour)))
+    image = Image.fromarray(cut_out(_own.renderer, scene.thumbnail(motion, body, colour)))
     file = io.BytesIO()
     image.save(file, format="WEBP", quality=85)
     return "data:image/webp;base64," + base64.b64encode(file.getvalue()).decode("ascii")

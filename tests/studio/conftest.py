@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from engines import registry
+from engines import Motion, registry
 from engines.metrics import physical
 from studio import captions, cli, tasks, thumbnails
 from studio.jobs import JobQueue
 from studio.session import Session
 from tests.studio.fakes import ConstrainedEngine, FakeEngine
+from viewers.bodies import Body
 
 
 @pytest.fixture
@@ -50,6 +51,11 @@ def constrained(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> Constrai
     return fake
 
 
+def _picture(_motion: Motion, colour: str = "", body: str | Body = "anny") -> str:
+    shown = body if isinstance(body, str) else f"{body.name} {body.shape}"
+    return f"data:image/webp;base64,{colour} {shown}"
+
+
 def _in_place_of_every_engine(fake: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
     def load(_name: str, variant: str = "") -> FakeEngine:
         fake.variant = variant or "plain"
@@ -58,7 +64,7 @@ def _in_place_of_every_engine(fake: FakeEngine, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(tasks, "load_engine", load)
     monkeypatch.setattr(registry, "captioners", dict)
     monkeypatch.setattr(captions, "judge", lambda: None)
-    monkeypatch.setattr(thumbnails, "thumbnail", lambda motion, colour=None: f"picture {colour}")
+    monkeypatch.setattr(thumbnails, "thumbnail", _picture)
     monkeypatch.setattr(physical, "REAL", {"foot_skate": 0.04, "jitter": 40.0, "ground_penetration": 0.001})
     return fake
 

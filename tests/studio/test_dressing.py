@@ -10,6 +10,7 @@ from engines.errors import FormatError, OutOfRangeError
 from studio import tasks
 from studio.library import open_library, schema
 from studio.proportions import bone_scale, factors, proportions
+from studio.session import Session
 from studio.settings import ExportSettings, Settings, parse_settings
 from studio.takes import TakeList
 from tests.studio.fakes import sway
@@ -114,6 +115,7 @@ def test_a_library_of_version_1_gets_a_place_for_the_body(tmp_path):
     with sqlite3.connect(file) as connection:
         connection.execute("alter table projects drop column body")
         connection.execute("alter table projects drop column sequence")
+        connection.execute("alter table takes drop column caption")
         connection.execute("update library set version = 1")
     again = open_library(str(file))
     assert again.shelf(key).body == {}
@@ -164,3 +166,49 @@ def test_sliders_of_bones_and_settings_of_joints_are_each_other(values, scale):
 
 def test_proportions_no_slider_made_are_said_by_joint():
     assert proportions({"left_knee": 1.1}) == "left_knee × 1.1"
+
+
+def told(state) -> set[str]:
+    """What the pictures of the gallery show, without the colour."""
+    return {picture.split(" ", 1)[1] for picture in state.thumbnails.values()}
+
+
+def test_the_pictures_of_takes_show_the_body_they_have(dressed, settle):
+    state = dressed.state
+    plain = state.thumbnails
+    assert told(state) == {"anny"}
+    dressed.dressing.reshape({"weight": 0.9}, keep=False)
+    settle(dressed)
+    assert state.thumbnails == plain, "not while it is dragged"
+    dressed.dressing.reshape({"weight": 0.9})
+    settle(dressed)
+    assert told(state) == {"anny {'weight': 0.9}"}
+    dressed.generate()
+    settle(dressed)
+    assert (len(state.thumbnails), told(state)) == (8, {"anny {'weight': 0.9}"})
+    dressed.undo()
+    dressed.undo()
+    settle(dressed)
+    assert {take.id: state.thumbnails[take.id] for take in state.takes} == plain
+
+
+def test_pictures_of_another_body_are_drawn_again_when_the_project_is_opened(engine, queue, settle, tmp_path):
+    library = open_library(str(tmp_path / "library.db"))
+    first = Session(queue=queue, library=library)
+    first.start()
+    settle(first)
+    first.dressing.reshape({"weight": 0.9})
+    settle(first)
+    key, kept = first.state.project, first.state.thumbnails
+    again = Session(queue=queue, library=library)
+    again.start(key)
+    settle(again)
+    assert again.state.thumbnails == kept
+    library.shelf(key).keep_pictures({2: "data:image/webp;base64,drawn before the studio was killed"})
+    last = Session(queue=queue, library=library)
+    last.start(key)
+    settle(last)
+    assert last.state.thumbnails == kept
+    for session in (first, again, last):
+        session.close()
+    library.close()

@@ -121,7 +121,7 @@ def test_a_draw_that_fails_is_told_and_the_next_one_runs(started, engine, settle
 
 
 def test_pictures_that_cannot_be_drawn_do_not_cost_the_takes(session, settle, monkeypatch):
-    def broken(_motion, _colour=None):
+    def broken(_motion, _colour, _body):
         raise RuntimeError("no OpenGL here")
 
     monkeypatch.setattr(thumbnails, "thumbnail", broken)
