@@ -81,7 +81,7 @@ def fit(similarity: float, key: str = "fit", name: str = "Fits the motion", shor
         name: the same for a person.
         short: the same on a card.
     """
-    from engines.metrics.evaluators.co_embedding import REAL
+    from engines.metrics.retrieval import REAL
 
     level: Level = "good" if similarity >= REAL["low"] else "fair" if similarity >= REAL["other"] else "poor"
     text = f"{similarity:.2f}"

@@ -13,6 +13,9 @@ import numpy as np
 from engines.errors import OutOfRangeError
 from engines.metrics import checks
 
+REAL = {"mean": 0.77, "low": 0.65, "other": 0.50}
+"""Similarity of real motions and sentences in our co-embedding, held-out clips and their captions: the mean, what nine
+in ten of 1,624 pairs exceed, and what of the same clips with captions of others one in twenty exceeds."""
 POOL = 32
 """Candidates a query is shown: its own and 31 others."""
 TOP = 3

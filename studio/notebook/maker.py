@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import threading
 import uuid
+from collections.abc import Callable
 from typing import Any
 
 import param
@@ -12,8 +13,10 @@ import param
 from engines import Motion
 from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
 from studio import draws, tasks
+from studio.attention import Attention
+from studio.captioning import Captioning
 from studio.given import Given
-from studio.jobs import Cancel, Job, JobQueue, Progress, shared_queue
+from studio.jobs import Cancel, Job, JobQueue, Progress, Work, shared_queue
 from studio.pinning import Pinning
 from studio.settings import MAX_STRENGTH, GenerateSettings, usual_engine
 from studio.state import StudioState
@@ -77,7 +80,10 @@ class Maker:
         self.state = kind(engine=self.engine.name)
         # one that was brought along has its own weights; another variant would be another engine
         self.choice = tuple(getattr(self.engine, "variants", ())) if named else ()
-        self.pins = Pinning(self)  # type: ignore[arg-type]  # of a session it uses the state alone
+        # of a session these use the state, the takes and the queue alone
+        self.pins = Pinning(self)  # type: ignore[arg-type]
+        self.captioning = Captioning(self)  # type: ignore[arg-type]
+        self.attention = Attention(self, lambda take: take.motion)  # type: ignore[arg-type]
         self._id = uuid.uuid4().hex
         self._drawing: Job | None = None
         self._settled = threading.Event()
@@ -143,6 +149,15 @@ class Maker:
     def drawn(self) -> tuple[Take, ...]:
         """The takes of the draw of the chosen one."""
         return self.takes.group_of(self.state.selected)
+
+    def submit(self, title: str, work: Work, show: Callable[[Job], None], lane: str = "generate") -> Job:
+        """Run work in the queue; `show(job)` is called under the lock, with progress and at the end."""
+
+        def heard(job: Job) -> None:
+            with self.lock:
+                show(job)
+
+        return self.queue.submit(self._id, title, work, lane=lane, on_change=heard)
 
     # ---- what comes of it ---------------------------------------------------------------------------------
 

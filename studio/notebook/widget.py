@@ -8,6 +8,8 @@ import ipywidgets as widgets
 
 from engines import Motion
 from engines.errors import MotionloomError
+from studio import captions
+from studio.captions import NOTHING_SAID, Description
 from studio.notebook.controls import WIDTH, Ties, controls, field, note
 from studio.notebook.maker import Maker
 from studio.pinning import as_shown
@@ -46,7 +48,7 @@ class Panel(widgets.HBox):
         side = widgets.VBox(controls(self.maker), layout={"width": WIDTH, "flex": "0 0 auto", "overflow": "hidden"})
         super().__init__([side, self._stage], layout={"flex_flow": "row wrap", "align_items": "flex-start"})
         ties.act(self._takes, self._chosen)
-        ties.follow(["takes", "selected"], self._show)
+        ties.follow(["takes", "selected", "captions"], self._show)
 
     def __repr__(self) -> str:
         return f"<Panel of {self.maker.engine.name}: {len(self.maker.takes)} takes>"
@@ -79,6 +81,14 @@ class Panel(widgets.HBox):
         made = self.take.settings
         assert made is not None  # nothing is imported here
         return made
+
+    @property
+    def words(self) -> Description:
+        """What is said of the chosen take: its sentence, and how well its prompt is met; errors as of `motion`."""
+        take = self.take
+        known = self.maker.captioning.of(take)
+        prompt = take.settings.prompt if take.settings else ""
+        return known if known != NOTHING_SAID else captions.describe([take.motion], [prompt])[0]
 
     def generate(self) -> Panel:
         """Press the button. Returns the panel, so that `panel.generate().wait()` reads well.
@@ -150,12 +160,15 @@ class Panel(widgets.HBox):
                 self.player.show_motions(motions, names)
         if self.player is not None:
             self.player.selected = ids.index(state.selected)
-        self._about.value = note(_words(state.take()))
+        take = state.take()
+        self._about.value = note(_words(take, self.maker.captioning.of(take))) if take else ""
 
     def _make(self, motions: list[Motion], names: list[str]) -> MotionPlayer:
         state, ties = self.maker.state, Ties(self.maker)
         player = MotionPlayer(motions, labels=names, height=self._height, playing=True)
         ties.tie(player, "tool", "tool")
+        ties.tie(player, "open_strips", "open_strips")
+        ties.follow(["strips"], lambda: setattr(player, "strips", state.strips))
         pinning = "constraints" in state.capabilities
         ties.follow(
             ["pinned", "fps"], lambda: setattr(player, "pinned", as_shown(state.pinned, state.fps) if pinning else {})
@@ -185,11 +198,13 @@ class Panel(widgets.HBox):
             pins.joint(what["joint"], what["place"], what["frame"] / what["fps"])
 
 
-def _words(take: Take | None) -> str:
-    """A take's length, seed and measures, in a line."""
+def _words(take: Take, said: Description) -> str:
+    """What is said of a take, its length, seed and measures, in a line."""
     from studio import quality, wording
 
-    if take is None or take.settings is None:
+    if take.settings is None:
         return ""
     parts = [wording.duration(take.duration), f"seed {take.settings.seed}"]
-    return " · ".join(parts + [f"{m.name.lower()} {m.text}" for m in quality.measures(take.metrics)])
+    measures = [*said.prompt_measure(), *quality.measures(take.metrics)]
+    line = " · ".join(parts + [f"{m.name.lower()} {m.text}" for m in measures])
+    return f"{said.sentence} · {line}" if said.sentence else line

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from engines import registry
 from engines.errors import MotionloomError, OutOfRangeError, UnknownLabelError
-from studio import notebook, tasks
+from studio import captions, notebook, tasks
+from studio.captions import Description
 from tests.studio.fakes import ConstrainedEngine, FakeEngine, FakeStyliser, sway
 
 widgets = pytest.importorskip("ipywidgets")
@@ -33,6 +35,13 @@ def names(panel) -> set[str]:
 
 def said(panel, words: str) -> bool:
     return any(words in w.value for w in within(panel) if isinstance(w, widgets.HTML))
+
+
+@pytest.fixture(autouse=True)
+def nothing_said(monkeypatch):
+    """Captions have tests of their own."""
+    monkeypatch.setattr(registry, "captioners", dict)
+    monkeypatch.setattr(captions, "judge", lambda: None)
 
 
 @pytest.fixture
@@ -217,3 +226,16 @@ def test_a_length_is_found_until_one_is_typed(panel):
     named(panel, "Generate").click()
     assert panel.motion.frames == 40
     assert named(notebook.panel(ConstrainedEngine(), seconds=3.0, action="jump"), "Seconds").value == 3.0
+
+
+def test_takes_are_said_in_words(monkeypatch):
+    monkeypatch.setattr(
+        captions, "describe", lambda motions, _: [Description("A person walks.", 0.8, 0.5)] * len(motions)
+    )
+    panel = notebook.panel(ConstrainedEngine(), prompt="hop", count=2)
+    panel.generate().wait()
+    assert panel.words.sentence == "A person walks."
+    while jobs := panel.maker.queue.jobs(panel.maker._id):
+        jobs[0].wait(20)
+    assert said(panel, "A person walks. · ")
+    assert said(panel, "prompt is met 0.50")

@@ -24,9 +24,6 @@ from engines.motion import Motion
 from engines.weights_file import SHIPPED, fill, read_settings
 
 _BATCH = 256
-REAL = {"mean": 0.77, "low": 0.65, "other": 0.50}
-"""Similarity of held-out clips and their captions: the mean, what nine in ten of 1,624 pairs exceed, and what of the
-same clips with captions of others one in twenty exceeds."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +108,9 @@ class CoEmbedding:
             return self.net.texts(found).double().numpy()
 
     def similarity(self, sentences: Sequence[str], motions: Sequence[Motion]) -> np.ndarray:
-        """(N,) float64 how well each sentence describes the motion at its place: the cosine, -1 to 1; see `REAL`.
+        """(N,) float64 how well each sentence describes the motion at its place: the cosine, -1 to 1.
+
+        What real pairs have is `engines.metrics.retrieval.REAL`.
 
         Raises:
             CheckpointError: the sentence encoder is not installed.
