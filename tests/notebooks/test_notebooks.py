@@ -12,9 +12,14 @@ from jupyter_client.kernelspec import KernelSpec
 from nbclient import NotebookClient
 
 import engines
+from engines import registry
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+
+
+SHARED = {"tm2t": "text", "text2motion": "text"}
+"""Engine -> the notebook that it shares with another."""
 
 
 @pytest.fixture
@@ -28,6 +33,8 @@ def here(monkeypatch):
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_runs(path, here, tmp_path):
+    if path.stem == "text" and not registry.captioners():
+        pytest.skip("no engine that describes motions has weights here")
     notebook = nbformat.read(path, as_version=4)
     where = {"metadata": {"path": str(tmp_path)}}
     NotebookClient(notebook, timeout=240, kernel_name="python3", resources=where).execute()
@@ -48,4 +55,4 @@ def test_notebook_is_kept_without_outputs(path):
 
 def test_every_engine_has_one():
     names = {path.stem for path in NOTEBOOKS}
-    assert {"quickstart", *engines.available()} <= names
+    assert {"quickstart", *(SHARED.get(name, name) for name in engines.available())} <= names
