@@ -159,7 +159,7 @@ class Session:
             own = model.get("attributes", {})
             data = own.get("data")
             if isinstance(data, dict) and data.get("type") == "object":
-                name = re.sub(r"\d+$", "", data["name"])
+                name = data.get("attributes", {}).get("noun", "") + re.sub(r"\d+$", "", data["name"])
                 self.parts |= {name: data["id"], name + "!": model["id"]}
                 self.values |= {(data["id"], key): plain(value) for key, value in data.get("attributes", {}).items()}
             if own.get("title"):

@@ -1,7 +1,8 @@
 """Long work off the UI thread: generation, pictures and exports, with progress, cancel and fairness.
 
 One `JobQueue` serves every browser session. It has lanes, each with its own threads, so that a video of one person
-never holds up the thumbnails of another; inside a lane the owners take turns. No Panel in here: whoever listens to a
+never holds up the thumbnails of another; inside a lane the owners take turns. Pictures and words of takes wait a while
+for draws, so that many who draw at once all have their takes first. No Panel in here: whoever listens to a
 job decides on which thread to act (the app hops to the document's thread, a test acts at once).
 """
 
@@ -33,6 +34,10 @@ LANES = {
     "caption": 1,
 }
 """Lane -> number of threads."""
+AFTER = {"still": "generate", "caption": "generate"}
+"""Lane -> the one that goes first: takes of all are there before pictures and words of any."""
+PATIENCE = 5.0
+"""Seconds for which a job lets others go first, from when it was asked for."""
 
 _NOTIFY_EVERY = 0.05
 
@@ -56,6 +61,8 @@ class Job:
     error: str = ""
     """One line for the person, when failed."""
     result: Any = None
+    asked: float = field(default_factory=time.monotonic)
+    """When, on the clock `time.monotonic`."""
     on_change: Callable[[Job], None] | None = None
     """Called on the worker's thread when the status or progress changes (progress at most 20 times a second)."""
     _cancel: threading.Event = field(default_factory=threading.Event, repr=False)
@@ -96,7 +103,8 @@ class Job:
             raise Cancelled(f"{self.title} was cancelled")
         self.done, self.total = int(done), int(total or 0)
         now = time.monotonic()
-        if now - self._told >= _NOTIFY_EVERY:
+        # the last step is as good as the end, which is told by itself
+        if now - self._told >= _NOTIFY_EVERY and self.done != self.total:
             self._told = now
             self._notify()
 
@@ -134,13 +142,14 @@ class Job:
 
 
 class _Lane:
-    """Threads that take jobs from the owners in turn."""
+    """Threads that take jobs from the owners in turn; those of the lane `before` go first."""
 
-    def __init__(self, name: str, threads: int) -> None:
-        self.name = name
+    def __init__(self, name: str, threads: int, before: _Lane | None = None) -> None:
+        self.name, self.before = name, before
         self.waiting: OrderedDict[str, deque[Job]] = OrderedDict()
         self.running: list[Job] = []
-        self.ready = threading.Condition()
+        lock = threading.Lock()
+        self.ready, self.rest = threading.Condition(lock), threading.Condition(lock)
         self.closed = False
         self.threads = [
             threading.Thread(target=self._serve, name=f"motionloom-{name}-{i}", daemon=True) for i in range(threads)
@@ -174,10 +183,18 @@ class _Lane:
     def _serve(self) -> None:
         while (job := self._take()) is not None:
             try:
+                if self.before is not None:
+                    self.before.let_rest(job.asked + PATIENCE - time.monotonic())
                 job._run()
             finally:
                 with self.ready:
                     self.running.remove(job)
+                    self.rest.notify_all()
+
+    def let_rest(self, seconds: float) -> None:
+        """Wait until nothing is in line or at work here, for so many seconds at most."""
+        with self.rest:
+            self.rest.wait_for(lambda: self.closed or not (self.waiting or self.running), max(0.0, seconds))
 
     def of(self, owner: str) -> list[Job]:
         with self.ready:
@@ -189,6 +206,7 @@ class _Lane:
             for job in [*self.running, *(job for line in self.waiting.values() for job in line)]:
                 job.cancel()
             self.ready.notify_all()
+            self.rest.notify_all()
 
 
 class JobQueue:
@@ -223,11 +241,16 @@ class JobQueue:
             on_change: called on the worker's thread at every change.
         """
         job = Job(owner, title, work, lane, on_change=on_change)
-        with self._lock:
-            if lane not in self._lanes:
-                self._lanes[lane] = _Lane(lane, self._sizes[lane])
-        self._lanes[lane].put(job)
+        self._lane(lane).put(job)
         return job
+
+    def _lane(self, name: str) -> _Lane:
+        """The lane of that name, made when first asked for."""
+        before = self._lane(AFTER[name]) if AFTER.get(name) in self._sizes else None
+        with self._lock:
+            if name not in self._lanes:
+                self._lanes[name] = _Lane(name, self._sizes[name], before)
+            return self._lanes[name]
 
     def jobs(self, owner: str) -> list[Job]:
         """The owner's unfinished jobs, running ones first."""

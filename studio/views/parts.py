@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import panel as pn
 import param
 from panel.custom import JSComponent
 
@@ -36,7 +37,8 @@ class Part(JSComponent):
 
         def heard(event: Any) -> None:
             if isinstance(event.data, dict) and event.data.get("do") == what:
-                act(event.data)
+                with pn.io.hold():  # what it changes travels in one message
+                    act(event.data)
 
         self.on_msg(heard)
         return self

@@ -128,6 +128,36 @@ def test_lanes_do_not_hold_each_other_up(queue):
         gate.set()
 
 
+@pytest.mark.parametrize("lane", ["still", "caption"])
+def test_pictures_and_words_wait_until_all_draws_are_done(queue, lane):
+    gate, order = threading.Event(), []
+    try:
+        draws = [
+            queue.submit(f"owner {i}", "draw", lambda _p, _c: gate.wait(10) and order.append("draw")) for i in "ab"
+        ]
+        draws += [queue.submit(f"owner {i}", "draw", lambda _p, _c: order.append("draw")) for i in "cd"]
+        later = queue.submit("owner a", "later", lambda _p, _c: order.append("later"), lane=lane)
+        assert not later.wait(0.2)
+        gate.set()
+        assert later.wait(10)
+        assert all(job.wait(10) for job in draws)
+        assert order == ["draw"] * 4 + ["later"]
+    finally:
+        gate.set()
+
+
+def test_pictures_do_not_wait_for_draws_forever(queue, monkeypatch):
+    monkeypatch.setattr("studio.jobs.PATIENCE", 0.05)
+    gate = threading.Event()
+    try:
+        queue.submit("me", "draw", lambda _p, _c: gate.wait(10))
+        still = queue.submit("me", "still", lambda _p, _c: "drawn", lane="still")
+        assert still.wait(10)
+        assert still.result == "drawn"
+    finally:
+        gate.set()
+
+
 def test_stills_are_drawn_on_one_thread_always(queue):
     jobs = [queue.submit(f"owner {i}", "still", lambda _p, _c: threading.get_ident(), lane="still") for i in range(12)]
     assert all(job.wait(10) for job in jobs)
