@@ -1,10 +1,11 @@
-"""MultiAct, random weights of both presets: milliseconds of a recurrent step, and of ten actions from end to end.
+"""MultiAct, its shipped weights and random ones of preset paper: milliseconds of a recurrent step, and of ten actions.
 
 python benchmarks/multiact.py [threads]
 """
 
 from __future__ import annotations
 
+import os
 import statistics
 import sys
 import time
@@ -40,7 +41,9 @@ def times(work: Callable[[], object]) -> str:
 
 
 def model_of(preset: str) -> MACVAE:
-    """Random weights around a standing body."""
+    """The shipped weights of `small`; random ones around a standing body of another preset."""
+    if preset == "small":
+        return engines.load("multiact").cell.model
     torch.manual_seed(0)
     sizes = config.preset(preset).replaced(actions=ACTIONS, usual_frames=((30, 50, 80),) * len(ACTIONS))
     model = MACVAE(sizes)
@@ -54,12 +57,12 @@ def rows(preset: str, start: Motion, beginning: Callable[..., Motion]) -> dict[s
     """What is measured."""
     model = model_of(preset)
     cell, rng = MACVAECell(model), np.random.default_rng(0)
-    last, label = torch.randn(1, SEEN, D), torch.tensor([0])
+    last, label = torch.randn(1, SEEN, D), torch.tensor([cell.names.index("walk")])
     frames, noise = torch.tensor([[TRANSITION, STEP - TRANSITION]]), torch.randn(1, 2, model.config.width)
     engine, blocks = MultiActEngine(cell, "0" * 64, beginning), [(name, STEP / 20) for name in ACTIONS]
     return {
         "one step, networks alone": lambda: model.generate(last, label, frames, noise),
-        "one step, Motion to Motion": lambda: cell.advance(start[-cell.sees :], 0, STEP, TRANSITION, rng),
+        "one step, Motion to Motion": lambda: cell.advance(start[-cell.sees :], int(label), STEP, TRANSITION, rng),
         "ten actions after a motion": lambda: engine.sequence(blocks, 1, start=start),
         "ten actions from nothing": lambda: engine.sequence(blocks, 1),
     }
@@ -71,7 +74,10 @@ def main() -> None:
         torch.set_num_threads(int(sys.argv[1]))
     beginning = engines.load("action2motion").generate
     start = beginning("walk", 40, 1)
-    print(f"{torch.get_num_threads()} threads; a step is {STEP} frames, {TRANSITION} of them transition")
+    load = os.getloadavg()[0]
+    print(
+        f"{torch.get_num_threads()} threads, load {load:.1f}; a step is {STEP} frames, {TRANSITION} of them transition"
+    )
     for preset in ("small", "paper"):
         for name, work in rows(preset, start, beginning).items():
             print(f"{preset:<6} {name:<28} {times(work)}")

@@ -106,6 +106,8 @@ def generate(  # noqa: PLR0913, PLR0917 (one parameter an option)
         bone_scale=parse_factors(bone_scale), formats=parse_formats(formats), width=width, height=height, fps=fps,
         camera=camera, then=parse_then(then), edits=tuple(edit) if edit else None,
     )  # fmt: skip
+    if engine is not None:  # what is said here goes before what a file says of who makes the actions of a sequence
+        wanted = wanted.changed(sequence=replace(wanted.generate.sequence, engine=""))
     if list_actions:
         _print_actions(wanted.generate)
         return

@@ -138,7 +138,7 @@ def _made(take: Take) -> str:
     else:
         drawn = take.settings
         rows = {
-            "Engine": escape(" · ".join(part for part in (drawn.engine, drawn.variant) if part)),
+            "Engine": escape(drawn.sequence.engine or " · ".join(filter(None, (drawn.engine, drawn.variant)))),
             "Weights": f"{made.weights[:4]}…{made.weights[-4:]}" if made.weights else "",
             "Action": escape(drawn.action),
             "Prompt": escape(drawn.prompt),

@@ -15,7 +15,7 @@ from studio.views.forms import column, dressed
 from studio.views.parts import Sequence
 from studio.wording import counted, duration
 
-_HOW = {False: "each on its own", True: "each out of the one before"}
+_HOW = {False: "each on its own", True: "each going on"}
 _ABOUT = {
     False: "Each block is made on its own; transitions lead from one to the next.",
     True: "Each action goes on from what stands before it; those after a change are made again.",

@@ -221,6 +221,23 @@ def test_words_styles_and_clips_stay_with_the_usual_engine(following):
         tasks.generate(on(Block("walk"), Block("run", transition=3.0)))
 
 
+def test_the_command_line_says_who_makes_the_actions(following, run, tmp_path, monkeypatch):
+    blocks = [{"what": "walk", "seconds": 1}, {"what": "run", "seconds": 1}]
+    sequence = {"sequence": {"engine": "multiact", "blocks": blocks}}
+    (tmp_path / "scene.json").write_text(json.dumps({"generate": {"engine": "fake", **sequence}}))
+
+    def went_on(*options: str) -> list[bool]:
+        following.calls.clear()
+        monkeypatch.setattr(sequencing, "at_hand", Cache())
+        code, _, said = run("generate", "--settings", "scene.json", "-n", "1", "-o", "scene.npz", *options)
+        assert (code, said) == (0, "")
+        return ["gap" in call for call in following.calls]
+
+    assert went_on() == [False, True]
+    assert went_on("--engine", "fake") == [False, False]
+    assert went_on("--engine", "multiact") == [False, True]
+
+
 def test_multiact_makes_a_scene_without_a_jump_or_a_turn():
     names = ("walk", "wave right hand", "walk", "bow", "run", "squat")
     (made,) = sequencing.make(on(*(Block(name, seconds=2.0) for name in names)))
