@@ -64,6 +64,15 @@ def test_a_shape_is_set_and_taken_back() -> None:
     assert np.allclose(2 * half, body.shaped(weight=0.9).vertices - body.vertices, atol=1e-6), "in proportion"
 
 
+def test_hems_are_shaded_as_they_are_however_heavy_the_body_is() -> None:
+    """Where cloth ends its normals are those of the cloth, and not of the rim under it too."""
+    body = bodies.get("anny")
+    hem = (body.tint > 0.9) & (body.vertices[:, 1] < 0.0)
+    for weight, turned in ((0.4501, 0.1), (0.7, 12.0), (1.0, 20.0)):
+        cosine = np.einsum("va,va->v", body.shaped(weight=weight).normals, body.normals)[hem]
+        assert np.degrees(np.arccos(cosine.clip(-1, 1))).max() < turned
+
+
 @pytest.mark.parametrize("values", [{"height": 0.8}, {"age": 0.33}, {"gender": 1.0, "weight": 1.0}])
 def test_every_shape_stands_on_the_floor_and_keeps_its_skin(values: dict) -> None:
     body = bodies.get("anny").shaped(**values)

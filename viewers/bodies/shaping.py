@@ -43,6 +43,7 @@ class BlendShapes:
         places = np.round(base.vertices, 5)
         self._groups = np.unique(places, axis=0, return_inverse=True)[1].ravel()
         self.base = replace(base, sliders=tuple(sliders), reshape=self)
+        self._normals = self._of_faces(base.vertices)
 
     def __call__(self, values: Mapping[str, float]) -> Body:
         """The body with sliders at `values`; those not named are at their usual values."""
@@ -57,10 +58,21 @@ class BlendShapes:
         if np.array_equal(offsets, base.skeleton.offsets) and np.array_equal(vertices, base.vertices):
             return base
         skeleton: Skeleton = base.skeleton.replaced(offsets=offsets)
-        normals = vertex_normals(vertices, base.faces, self._groups)
-        lone = ~normals.any(axis=1)  # of no face but coarse ones
-        normals[lone] = base.normals[lone]
+        # the body's own normals know where it has edges (a hem), those of its faces only how they turn
+        normals = _turned(base.normals, self._normals, self._of_faces(vertices))
         return replace(base, vertices=vertices, normals=normals, skeleton=skeleton, own_bones=True)
+
+    def _of_faces(self, vertices: np.ndarray) -> np.ndarray:
+        """(V, 3) normals by the faces around, zero where there are none but coarse ones."""
+        return vertex_normals(vertices, self.base.faces, self._groups)
+
+
+def _turned(vectors: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """(V, 3) vectors, each turned as a unit vector `before` turns the shortest way into `after`; float32."""
+    axis = np.cross(before, after)
+    once = np.cross(axis, vectors)
+    turned = vectors + once + np.cross(axis, once) / (1.0 + np.sum(before * after, axis=1, keepdims=True)).clip(1e-6)
+    return (turned / np.linalg.norm(turned, axis=1, keepdims=True).clip(1e-9)).astype(np.float32)
 
 
 def checked(body: Body, values: Mapping[str, float]) -> dict[str, float]:
