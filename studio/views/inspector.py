@@ -9,6 +9,7 @@ from typing import Any
 
 import panel as pn
 
+from engines import registry
 from engines.errors import MotionloomError
 from studio import tasks
 from studio.captions import NOTHING_SAID, Description
@@ -92,7 +93,10 @@ def _details(session: Session) -> pn.Column:
 
     state.param.watch(show, ["selected", "takes", "edited", "captions"])
     show()
-    words = dressed(pn.widgets.Checkbox, name="Say in words what takes show")
+    speaks = bool(registry.captioners())
+    words = dressed(
+        pn.widgets.Checkbox, name="Say in words what takes show" if speaks else "Judge how well prompts are met"
+    )
     tie(words, state, value="describing")
     return column(_tags(session), text, words, save, gap=8)
 
