@@ -35,7 +35,7 @@ class Description:
         """How well the prompt is met; none where there was none."""
         if self.prompt_fit is None:
             return []
-        return [quality.fit(self.prompt_fit, "prompt_fit", "Prompt is met", "prompt")]
+        return [quality.fit(self.prompt_fit, "prompt_fit", "Fits the prompt", "prompt")]
 
     def to_json(self) -> dict[str, Any]:
         """As JSON values."""

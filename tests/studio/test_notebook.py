@@ -238,4 +238,4 @@ def test_takes_are_said_in_words(monkeypatch):
     while jobs := panel.maker.queue.jobs(panel.maker._id):
         jobs[0].wait(20)
     assert said(panel, "A person walks. · ")
-    assert said(panel, "prompt is met 0.50")
+    assert said(panel, "fits the prompt 0.50")
