@@ -1,5 +1,5 @@
-"""The studio with quick stand-ins for an engine that takes styles, words and pins, for one that puts takes in other
-manners, and for what makes a character of a picture: `motionloom`'s own arguments.
+"""The studio with quick stand-ins for an engine that takes styles, words and pins and describes motions, for one that
+puts takes in other manners, and for what makes a character of a picture: `motionloom`'s own arguments.
 
 What the engine is told goes, a line of JSON a draw, to the file that $MOTIONLOOM_TEST_TOLD names.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from engines.character.character import Character
 from engines.character.mesh import Surface
 from engines.character.sighting import Sighting
 from engines.loom.constraints import Constraints
+from engines.tm2t.engine import Caption
 from studio import cli, settings
 from tests.studio.fakes import ConstrainedEngine, FakeStyliser
 from viewers.bodies import Body
@@ -27,7 +29,10 @@ NAME = "stand-in"
 
 
 class Telling(ConstrainedEngine):
-    """Writes down what it is told."""
+    """Writes down what it is told, and says the same of every motion."""
+
+    def caption_many(self, motions: Sequence[Motion], **_told: Any) -> list[list[Caption]]:
+        return [[Caption("A person sways.", -0.5)] for _ in motions]
 
     def generate_many(self, action: str | None, **told: Any) -> list[Motion]:  # type: ignore[override]
         made = super().generate_many(action, **told)
@@ -71,6 +76,7 @@ def main() -> None:
     known = registry.available
     registry._ENGINES[NAME] = ("a stand-in", lambda **_options: Telling())
     registry.available = lambda: {NAME: "a stand-in", **known()}  # type: ignore[method-assign]
+    registry.captioners = lambda: {NAME: "a stand-in"}  # type: ignore[method-assign]
     registry._STYLISERS = {"restyler": ("a stand-in", lambda **_options: FakeStyliser())}
     registry.stylisers = lambda: {"restyler": "a stand-in"}
     making.build = build  # type: ignore[assignment]
