@@ -117,9 +117,9 @@ class StudioState(param.Parameterized):
     open_strips = param.String("words", doc="Those of them that are open, by name, commas between.")
     stage_mode = param.Selector(default="all", objects=["all", "one", "compare"], doc="Which takes the stage shows.")
     thumbnails = param.Dict({}, doc="Take id -> picture as a data URI.")
-    search = param.String("", doc="What is looked for among the takes; see `studio.library.query`.")
     captions = param.Dict({}, doc="Take id -> what is said of it (studio.captions.Description).")
     describing = param.Boolean(True, doc="Takes that are looked at are put into words.")
+    search = param.String("", doc="What is looked for among the takes; see `studio.library.query`.")
     edited = param.Integer(0, doc="Counts the edits that were worked out; takes may look other than before.")
     found: Any = param.List(
         default=None, allow_None=True, doc="Ids of the takes that fit; None while nothing is looked for."
