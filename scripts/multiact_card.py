@@ -1,10 +1,11 @@
 """Write the model card of the shipped MultiAct weights, and the sheet of transitions.
 
-    python scripts/multiact_card.py [--run DIR] [--table DIR] [--reads a,b] [--limits TEXT]
+    python scripts/multiact_card.py [--run DIR] [--table DIR] [--speed TEXT] [--reads a,b] [--limits TEXT]
 
 Needs the prepared data (motionloom data prepare). `--table` is a folder that `motionloom evaluate multiact` wrote;
-`--run` is the training's folder, for its losses; `--reads` takes what was looked at in the sheet and is what it says,
-`--limits` what else was seen. All of it is kept in the settings beside the weights.
+`--run` is the training's folder, for its losses; `--speed` what benchmarks/multiact.py measured; `--reads` takes what
+was looked at in the sheet and is what it says, `--limits` what else was seen. All of it is kept in the settings beside
+the weights.
 """
 
 from __future__ import annotations
@@ -110,6 +111,10 @@ the first and the last three seconds, and in held-out clips; draws whose legs st
 |---|---|---|---|---|---|
 {lines}
 
+## Speed
+
+`OMP_NUM_THREADS=1 python benchmarks/multiact.py 1`: {extra.get("speed", "not measured.")}
+
 ## Losses
 
 {losses(extra)}
@@ -133,6 +138,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--run", type=Path, help="folder of the training, for its losses")
     parser.add_argument("--table", type=Path, help="folder of a report")
+    parser.add_argument("--speed", help="what the benchmark measured, and on what, in sentences")
     parser.add_argument("--reads", help="what reads in the sheet, comma-separated")
     parser.add_argument("--limits", help="what falls short, in sentences")
     options = parser.parse_args()
@@ -140,6 +146,8 @@ def main() -> None:
     config = json.loads(settings.read_text())
     extra = config["extra"]
     keep_looks(extra, options.reads, options.limits)
+    if options.speed is not None:
+        extra["speed"] = options.speed
     if options.table is not None:
         extra["table"] = ours((options.table / "table.md").read_text())
     if options.run is not None:

@@ -14,8 +14,9 @@ from engines.metrics.retrieval import POOL
 
 def notes(results: Results, rows: Sequence[Row]) -> list[str]:
     """What the figures of a protocol are."""
-    repeats = sorted({len(row.repeats) for row in rows})
-    over = f"{' or '.join(map(str, repeats))} repeat{'s' if repeats[-1] > 1 else ''}"
+    most = max(len(row.repeats) for row in rows)
+    fewer = [f"{row.name}: {len(row.repeats)}" for row in rows if len(row.repeats) < most]
+    over = f"{most} repeat{'s' if most > 1 else ''}" + (f" ({', '.join(fewer)})" if fewer else "")
     said = {
         "action2motion": _of_actions,
         "text2motion": _of_texts,
