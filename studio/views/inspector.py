@@ -22,7 +22,7 @@ from studio.takes import Take
 from studio.views.binding import follow, tie
 from studio.views.body import body_panel
 from studio.views.forms import column, dressed, html, row
-from studio.views.parts import ExportBox, Segments, Tags
+from studio.views.parts import Check, ExportBox, Segments, Tags
 from studio.wording import counted, duration
 
 FORMATS = [
@@ -94,9 +94,7 @@ def _details(session: Session) -> pn.Column:
     state.param.watch(show, ["selected", "takes", "edited", "captions"])
     show()
     speaks = bool(registry.captioners())
-    words = dressed(
-        pn.widgets.Checkbox, name="Say in words what takes show" if speaks else "Judge how well prompts are met"
-    )
+    words = Check(label="Say in words what takes show" if speaks else "Judge how well prompts are met")
     tie(words, state, value="describing")
     return column(_tags(session), text, words, save, gap=8)
 

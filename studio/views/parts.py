@@ -104,6 +104,15 @@ class Segments(Part):
     _stylesheets = _style("segments")
 
 
+class Check(Part):
+    """A box to tick."""
+
+    value = param.Boolean(False)
+    label = param.String("")
+    _esm = _script("check")
+    _stylesheets = _style("check")
+
+
 class ActionField(Part):
     """The action asked for, with what is wrong with it."""
 
