@@ -90,8 +90,9 @@ class TM2TConfig(Config):
     """Weight of the inverse alignment, the second term of equation 6.7; 0 trains without."""
     temperature: float = 1.0
     """tau of the Gumbel-softmax."""
-    top_k: int = 100
-    """Motion tokens are drawn among so many of the likeliest."""
+    top_k: int = 10
+    """Motion tokens are drawn among so many of the likeliest; the thesis has 100. Of the sixty prompts 57 % were
+    recognised with 100, 61 % with 20, 63 % with 5, 58 % with 1 (weights of 2,100 steps)."""
 
     steps: int = 20_000
     """Training steps that the schedules span."""
@@ -143,8 +144,8 @@ _COUNTS = (
 SMALL = TM2TConfig()
 PAPER = TM2TConfig(
     text_encoder="glove", text_size=300, codes=1024, code_size=1024, vq_width=1024, codebook_update="gradient",
-    commitment=1.0, movement_weight=0.0, longest=196, text_hidden=512, motion_hidden=1024, t2m_layers=3, m2t_layers=4,
-    width=512, inner=2048, heads=8, head_size=64, texts_each=1, label_balance=1.0, label_smoothing=0.0,
+    commitment=1.0, movement_weight=0.0, top_k=100, longest=196, text_hidden=512, motion_hidden=1024, t2m_layers=3,
+    m2t_layers=4, width=512, inner=2048, heads=8, head_size=64, texts_each=1, label_balance=1.0, label_smoothing=0.0,
     learning_rate=2e-4, final_learning_rate=2e-4, weight_decay=0.0, steps=200_000,
 )  # fmt: skip
 """Thesis, section 6.3.3: the sizes, the rate, the teacher forcing; the words of GloVe."""
