@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-import panel as pn
 import param
 
 
@@ -14,13 +13,7 @@ def tie(part: param.Parameterized, state: param.Parameterized, **names: str) -> 
     for own, theirs in names.items():
         setattr(part, own, getattr(state, theirs))
         state.param.watch(lambda event, own=own: setattr(part, own, event.new), theirs)
-        part.param.watch(lambda event, theirs=theirs: _told(state, theirs, event.new), own)
-
-
-def _told(state: param.Parameterized, name: str, value: Any) -> None:
-    """What a person set: all that follows from it travels in one message."""
-    with pn.io.hold():
-        setattr(state, name, value)
+        part.param.watch(lambda event, theirs=theirs: setattr(state, theirs, event.new), own)
 
 
 def follow(

@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import panel as pn
 import param
 from panel.custom import JSComponent
 
@@ -37,8 +36,7 @@ class Part(JSComponent):
 
         def heard(event: Any) -> None:
             if isinstance(event.data, dict) and event.data.get("do") == what:
-                with pn.io.hold():  # what it changes travels in one message
-                    act(event.data)
+                act(event.data)
 
         self.on_msg(heard)
         return self
