@@ -91,7 +91,8 @@ def test_golden_inverse_kinematics(path, kind: str) -> None:
     skeleton, arrays = read(path, kind)
     steep = tensors(path)["ik_lie_f64"].norm(dim=-1) > STEEP
     lie, expected = skeleton.inverse_kinematics(arrays["joints"]), arrays["ik_lie"]
-    close(lie[~steep], expected[~steep], {"f64": 1e-7, "f32": 1e-4}[kind])
+    # near a half turn, where single precision of one processor is 1.6e-4 from that of another
+    close(lie[~steep], expected[~steep], {"f64": 1e-7, "f32": 2e-4}[kind])
     close(lie[steep], expected[steep], {"f64": 1e-5, "f32": 4e-3}[kind])
     translations = skeleton.bone_translations(skeleton.bone_lengths(arrays["joints"]))
     close(translations, arrays["bone_translation"], FK_TOLERANCE[kind])
