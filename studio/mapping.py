@@ -330,7 +330,8 @@ class Mapping:
         self._working = True
 
         def work(_progress: Progress, _cancel: Cancel) -> tuple[list[Motion], np.ndarray]:
-            made = variations.between(asked, tasks.load_engine(asked.engine, asked.variant))
+            engine = tasks.load_engine(asked.engine, asked.variant)
+            made = variations.between(tasks.with_length(asked, engine), engine)
             return made, self.seen(made, asked)
 
         def show(job: Job) -> None:

@@ -73,7 +73,7 @@ def generate_with(
     engine: Any, settings: GenerateSettings, progress: Progress | None = None, cancel: Cancel | None = None
 ) -> list[Motion]:
     """The same of an engine that is there; errors as `generate`."""
-    settings = _with_length(settings, engine)
+    settings = with_length(settings, engine)
     if settings.then or settings.blend or settings.given or variations.goes_on(settings, engine):
         motions = variations.make(settings, engine, progress, cancel)
         return motions if settings.take is None or settings.blend else [motions[settings.take - 1]]
@@ -106,7 +106,7 @@ def expected_frames(settings: GenerateSettings, engine: Any) -> int:
     return find(settings.action or None, settings.prompt or None) if find else 0
 
 
-def _with_length(settings: GenerateSettings, engine: Any) -> GenerateSettings:
+def with_length(settings: GenerateSettings, engine: Any) -> GenerateSettings:
     """The settings, with a length where the engine finds none itself, or not of what is asked."""
     parts = settings.then or settings.blend or settings.constraints
     if "lengths" in engine.capabilities and not parts:

@@ -101,7 +101,8 @@ class Varying:
         state.param.update(blending=True, blend_ready=False, vary_error="", blend_strip=[], preview=())
 
         def work(_progress: Any, _cancel: Any) -> list[Motion]:
-            return variations.between(settings, tasks.load_engine(settings.engine, settings.variant))
+            engine = tasks.load_engine(settings.engine, settings.variant)
+            return variations.between(tasks.with_length(settings, engine), engine)
 
         def show(job: Job) -> None:
             if not job.finished:
