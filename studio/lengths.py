@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from engines.errors import MotionloomError
 from studio import tasks
+from studio.latest import Latest
 from studio.wording import duration
 
 if TYPE_CHECKING:
-    from studio.jobs import Job
     from studio.session import Session
 
 
@@ -55,35 +55,20 @@ class LengthGuess:
     """
 
     def __init__(self, session: Session, tell: Callable[[Guess], None]) -> None:
-        self.session, self._tell = session, tell
-        self._asked = self._told = ("", "", "")
-        self._busy = False
+        self._state = session.state
+
+        def work(asked: tuple[str, str, str]) -> Guess:
+            prompt, engine, variant = asked
+            return guess(tasks.load_engine(engine, variant), prompt)
+
+        self._latest = Latest(session, "lengths", work, lambda _, job: tell(job.result or Guess() if job else Guess()))
         session.state.param.watch(self._look, ["prompt", "compose_tab", "engine", "variant", "capabilities"])
 
     def _look(self, *_: Any) -> None:
-        state = self.session.state
+        state = self._state
         wanted = state.compose_tab == "text" and "text" in state.capabilities
-        self._asked = (state.prompt.strip() if wanted else "", state.engine, state.variant)
-        self._go_on()
-
-    def _go_on(self) -> None:
-        if self._busy or self._asked == self._told:
-            return
-        asked = prompt, engine, variant = self._asked
-        if not prompt:
-            self._told = asked
-            self._tell(Guess())
-            return
-        self._busy = True
-
-        def show(job: Job) -> None:
-            if not job.finished:
-                return
-            self._busy, self._told = False, asked
-            self._tell(job.result or Guess())
-            self._go_on()  # something else was typed meanwhile
-
-        self.session.submit("lengths", lambda *_: guess(tasks.load_engine(engine, variant), prompt), show)
+        prompt = state.prompt.strip() if wanted else ""
+        self._latest.ask((prompt, state.engine, state.variant) if prompt else None)
 
 
 def guess(engine: Any, prompt: str) -> Guess:

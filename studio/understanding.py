@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from studio import tasks
+from studio.latest import Latest
 from studio.settings import MAX_PROMPT, USUAL_FRAMES, GenerateSettings
 
 if TYPE_CHECKING:
@@ -25,8 +26,7 @@ class Understanding:
 
     def __init__(self, session: Session, tell: Callable[[str], None]) -> None:
         self.session, self._tell = session, tell
-        self._asked = self._told = GenerateSettings(action="")
-        self._busy = False
+        self._latest = Latest(session, "understand", _work, self._show)
         watched = ["prompt", "action", "request", "as_long", "pinned", "engine", "variant", "capabilities"]
         session.state.param.watch(self._look, watched)
 
@@ -34,35 +34,21 @@ class Understanding:
         state = self.session.state
         words = " ".join(state.prompt.split()) if state.request == "text" and "text" in state.capabilities else ""
         known = state.request == "action" and state.finds_length and not state.nearest_actions()
-        self._asked = GenerateSettings(
+        asked = GenerateSettings(
             state.engine, state.variant, " ".join(state.action.lower().split()) if known else "",
             prompt=words if len(words) <= MAX_PROMPT else "", frames=None if state.finds_length else USUAL_FRAMES,
         )  # fmt: skip
-        self._go_on()
+        self._latest.ask(asked if asked.action or asked.prompt else None)
 
-    def _go_on(self) -> None:
-        if self._busy or self._asked == self._told:
-            return
-        asked = self._asked
-        if not (asked.action or asked.prompt):
-            self._told = asked
-            self._tell("")
-            return
-        self._busy = True
+    def _show(self, asked: GenerateSettings | None, job: Job | None) -> None:
+        said, frames = (job.result if job else None) or ("", 0)
+        self._tell(job.error if job and job.status == "failed" else said)
+        if asked is not None and asked.frames is None and asked == self._latest.asked:
+            self.session.state.expect(frames)
 
-        def work(_progress: Any, _cancel: Any) -> tuple[str, int]:
-            engine = tasks.load_engine(asked.engine, asked.variant)
-            say = getattr(engine, "understood", None)
-            return say(asked.prompt) if say and asked.prompt else "", tasks.expected_frames(asked, engine)
 
-        def show(job: Job) -> None:
-            if not job.finished:
-                return
-            self._busy, self._told = False, asked
-            said, frames = job.result or ("", 0)
-            self._tell(job.error if job.status == "failed" else said)
-            if asked.frames is None and asked == self._asked:
-                self.session.state.expect(frames)
-            self._go_on()  # something else was typed meanwhile
-
-        self.session.submit("understand", work, show)
+def _work(asked: GenerateSettings) -> tuple[str, int]:
+    """What the engine says of a prompt, and how long a motion will be, frames."""
+    engine = tasks.load_engine(asked.engine, asked.variant)
+    say = getattr(engine, "understood", None)
+    return say(asked.prompt) if say and asked.prompt else "", tasks.expected_frames(asked, engine)
