@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 from engines import Motion
 from engines.errors import Cancelled
-from studio import tasks, thumbnails, variations
+from studio import tasks, thumbnails
 from studio.jobs import Cancel, Job, Progress
 from studio.settings import BLEND_STEPS, MAX_SEED, GenerateSettings
 
@@ -330,8 +330,7 @@ class Mapping:
         self._working = True
 
         def work(_progress: Progress, _cancel: Cancel) -> tuple[list[Motion], np.ndarray]:
-            engine = tasks.load_engine(asked.engine, asked.variant)
-            made = variations.between(tasks.with_length(asked, engine), engine)
+            made = tasks.between(asked)
             return made, self.seen(made, asked)
 
         def show(job: Job) -> None:

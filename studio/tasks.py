@@ -73,7 +73,7 @@ def generate_with(
     engine: Any, settings: GenerateSettings, progress: Progress | None = None, cancel: Cancel | None = None
 ) -> list[Motion]:
     """The same of an engine that is there; errors as `generate`."""
-    settings = with_length(settings, engine)
+    settings = _with_length(settings, engine)
     if settings.then or settings.blend or settings.given or variations.goes_on(settings, engine):
         motions = variations.make(settings, engine, progress, cancel)
         return motions if settings.take is None or settings.blend else [motions[settings.take - 1]]
@@ -106,12 +106,18 @@ def expected_frames(settings: GenerateSettings, engine: Any) -> int:
     return find(settings.action or None, settings.prompt or None) if find else 0
 
 
-def with_length(settings: GenerateSettings, engine: Any) -> GenerateSettings:
+def _with_length(settings: GenerateSettings, engine: Any) -> GenerateSettings:
     """The settings, with a length where the engine finds none itself, or not of what is asked."""
     parts = settings.then or settings.blend or settings.constraints
     if "lengths" in engine.capabilities and not parts:
         return settings
     return replace(settings, frames=expected_frames(settings, engine) or USUAL_FRAMES)
+
+
+def between(settings: GenerateSettings) -> list[Motion]:
+    """All motions from one end of the settings' blend to the other; errors as `generate`."""
+    engine = load_engine(settings.engine, settings.variant)
+    return variations.between(_with_length(settings, engine), engine)
 
 
 def told(settings: GenerateSettings, engine: Any, without: Collection[str] = ()) -> dict[str, Any]:

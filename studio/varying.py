@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from engines import Motion
 from engines.errors import MotionloomError
-from studio import tasks, thumbnails, variations
+from studio import tasks, thumbnails
 from studio.jobs import Job
 from studio.mapping import Mapping
 from studio.pinned import Kept, Pinned
@@ -101,8 +101,7 @@ class Varying:
         state.param.update(blending=True, blend_ready=False, vary_error="", blend_strip=[], preview=())
 
         def work(_progress: Any, _cancel: Any) -> list[Motion]:
-            engine = tasks.load_engine(settings.engine, settings.variant)
-            return variations.between(tasks.with_length(settings, engine), engine)
+            return tasks.between(settings)
 
         def show(job: Job) -> None:
             if not job.finished:
