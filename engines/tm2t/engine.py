@@ -101,7 +101,8 @@ class TM2TEngine:
         self.config: TM2TConfig = model.config
         self.weights_hash, self.variant = weights_hash, variant
         self.max_frames = self.config.longest
-        abilities = {"text", "lengths", "word_attention"} if model.text2motion is not None else set()
+        abilities = {"text", "lengths"} if model.text2motion is not None else set()
+        abilities |= {"word_attention"} if isinstance(model.text2motion, AttentiveGRU) else set()
         abilities |= {"caption"} if model.motion2text is not None else set()
         self.capabilities = frozenset(abilities | {"variants", "tokens"})
         self._encoder = encoder

@@ -29,7 +29,7 @@ from engines.training.run import RunOptions, run
 
 _OF_THE_TOKENIZER = (
     "codes", "code_size", "vq_width", "decoder_blocks", "codebook_update", "codebook_decay", "codebook_least",
-    "commitment", "longest",
+    "commitment", "movement_weight", "longest",
 )  # fmt: skip
 _OF_MOTION2TEXT = ("words", "m2t_layers", "width", "inner", "heads", "head_size")
 _IDENTITY = ("text_encoder", "codes", "code_size", "codebook_update", "backbone", "late_attention", "words")

@@ -12,6 +12,7 @@ import engines
 from engines.errors import Cancelled, CheckpointError, MotionloomError, OutOfRangeError, UnknownLabelError
 from engines.text import token_vectors
 from engines.tm2t import data, train
+from engines.tm2t.engine import TM2TEngine
 from engines.tm2t.losses import m2t_losses, t2m_losses, vq_losses
 from engines.training.devices import Share
 from tests.engines.tm2t.tiny import SIZES, FakeEncoder, Said, clip, clips, config, material, model
@@ -61,6 +62,12 @@ def test_each_stage_learns_its_part_and_keeps_the_others(stages) -> None:
     assert set(nets["t2m"].config.extra) == {f"{s}_{n}" for s in ("vq", "m2t", "t2m") for n in ("step", "seconds")}
 
 
+def test_what_the_tokenizer_was_trained_with_goes_along(stages) -> None:
+    told = config(movement_weight=9.0)
+    state, _ = train.start(told, "m2t", clips(1), base=stages["vq"], material=material())
+    assert train.model_of(state).config.movement_weight == train.load(stages["vq"]).config.movement_weight != 9.0
+
+
 def test_weights_make_an_engine(stages) -> None:
     engine = engines.load("tm2t", checkpoint=stages["t2m"])
     engine._encoder = FakeEncoder()
@@ -69,6 +76,9 @@ def test_weights_make_an_engine(stages) -> None:
     assert engine.caption(clips(1)[0].motion)[0].sentence
     alone = engines.load("tm2t", checkpoint=stages["m2t"])
     assert alone.capabilities == {"caption", "tokens", "variants"}
+    by_transformer = TM2TEngine(model(backbone="transformer"), "")
+    assert "text" in by_transformer.capabilities
+    assert "word_attention" not in by_transformer.capabilities
     with pytest.raises(MotionloomError, match="no text2motion"):
         alone.generate(prompt="a person walks")
     with pytest.raises(MotionloomError, match="no motion2text"):
