@@ -42,9 +42,11 @@ def start(  # noqa: PLR0913 - what a training begins from
         CheckpointError: `base` is no weights of Loom, or of other sizes than `config`.
         UnknownLabelError: an emphasised action is not in the vocabulary.
     """
-    actions, styles, usual = data.vocabulary_of(clips)
-    config = config.checked().replaced(actions=actions, styles=styles, usual_frames=usual)
-    if base is not None:
+    config = config.checked()
+    if base is None:
+        actions, styles, usual = data.vocabulary_of(clips)
+        config = config.replaced(actions=actions, styles=styles, usual_frames=usual)
+    else:
         config = _going_on(config, base)
     for name in config.emphasised:
         if name not in config.actions:
