@@ -1,9 +1,11 @@
-"""Write the model card of the shipped TM2T weights.
+"""Write the model card of the shipped TM2T weights, and the sheet of prompts.
 
-    python scripts/tm2t_card.py [--limits TEXT] [--table DIR]
+    python scripts/tm2t_card.py [--runs DIR] [--table DIR] [--notes TEXT] [--reads a,b] [--limits TEXT]
 
-Needs the prepared data (motionloom data prepare). `--limits` says what was seen beside the figures, `--table` is a
-folder that `motionloom evaluate tm2t` wrote; both are kept in the settings beside the weights.
+Needs the prepared data (motionloom data prepare). `--runs` has the folders vq, m2t and t2m of the trainings, for their
+losses; `--table` is a folder that `motionloom evaluate tm2t` wrote; `--notes` says how the weights came about;
+`--reads` takes the prompts that were looked at in the sheet and are what they say, `--limits` what else was seen. All
+of it is kept in the settings beside the weights.
 """
 
 from __future__ import annotations
@@ -11,17 +13,27 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from model_card import keep_looks
+from loom_card import sheet
+from model_card import curves, keep_looks, losses, ours
 
 from engines import datasets, load
 from engines.datasets.captions import encoded
 from engines.tm2t.assess import Assessment, assess
+from engines.tm2t.config import STAGES
 from engines.tm2t.engine import TM2TEngine
 from engines.weights_file import SHIPPED
 
 ROOT = Path(__file__).resolve().parent.parent
+SHEET = "docs/prompts-tm2t.webp"
+PROMPTS = (
+    "a person walks forward", "someone runs", "a person waves the right hand", "an old person walks slowly",
+    "a person raises both hands", "she bows", "a person sits down", "a person throws a ball",
+    "walk forward then turn left", "a person jumps", "he boxes with both fists", "a person squats down",
+)  # fmt: skip
+"""Of the sheet."""
 LISTED = 20
 """Captions shown beside those of people."""
 
@@ -53,7 +65,8 @@ Retrain without them for weights of your own. SHA-256 `{engine.weights_hash}`.
 | data | Bandai-Namco Motiondataset 1 and 2, CMU subset (free), UTD-MHAD (research use; cite Chen et al. 2015) |
 | captions | of the project's grammar from measured facts, people's own; tokens' vectors of all-MiniLM-L6-v2 |
 | split | by clip, seeded; UTD by subject; only the training split, and its mirror images |
-| training | {stages} |
+| training | {stages}; one core, bfloat16 |
+| notes | {extra.get("notes", "none")} |
 
 ## Motion tokens, there and back
 
@@ -64,8 +77,7 @@ of the {config.codes} tokens.
 |---|---|---|
 {rows}
 
-The tokenizer's loss has a term for movement that the thesis has not (`movement_weight`): with it 76 % of 160 clips were
-recognised after 1,200 steps, without it 66 %, and jitter was 66 m/s³ beside 112 (real 70).
+Clips that are recognised only before: {_lost(found)}.
 
 ## Motion to text
 
@@ -79,12 +91,32 @@ How well a sentence fits its clip, by `evaluator-text.md`: {fit:.2f} on average,
 
 {_text2motion(found)}
 
-{extra.get("table", "")}
+First draw of seed 1, nothing picked:
+
+![prompts](../../{SHEET})
+
+Looked at and what they say: {", ".join(extra.get("reads", [])) or "none yet"}.
+
+{extra.get("table", "Not measured.")}
+
+## Losses
+
+{_curves(extra)}
 
 ## Limits
 
 {extra.get("limits", "")} Most captions of the data come from a grammar, so those that are made sound like it.
 """
+
+
+def _lost(found: Assessment) -> str:
+    worst = sorted(((lost, name, count) for name, (lost, count) in found.lost.items() if lost), reverse=True)
+    return ", ".join(f"{name} {lost} of {count}" for lost, name, count in worst) or "none"
+
+
+def _curves(extra: dict[str, Any]) -> str:
+    told = extra.get("losses", {})
+    return "\n\n".join(f"{stage}: {losses({'losses': found})}" for stage, found in told.items()) or "Not recorded."
 
 
 def _text2motion(found: Assessment) -> str:
@@ -116,16 +148,29 @@ def _figures(found: Assessment) -> list[tuple[str, str, str]]:
 def main() -> None:
     """Judge the shipped weights and write the card beside them."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--limits")
-    parser.add_argument("--table", type=Path)
+    parser.add_argument("--runs", type=Path, help="folder of the trainings, for their losses")
+    parser.add_argument("--table", type=Path, help="folder of a report")
+    parser.add_argument("--notes", help="how the weights came about, in sentences")
+    parser.add_argument("--reads", help="prompts of the sheet that read, comma-separated")
+    parser.add_argument("--limits", help="what falls short, in sentences")
     options = parser.parse_args()
     path = SHIPPED / "tm2t.safetensors"
     settings = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    keep_looks(settings["extra"], None, options.limits)
-    if options.table:
-        settings["extra"]["table"] = (options.table / "table.md").read_text(encoding="utf-8")
+    extra = settings["extra"]
+    keep_looks(extra, options.reads, options.limits)
+    if options.notes is not None:
+        extra["notes"] = options.notes
+    if options.table is not None:
+        extra["table"] = ours((options.table / "table.md").read_text(encoding="utf-8"))
+    if options.runs is not None:
+        drawn = {stage: f"docs/losses-tm2t-{stage}.webp" for stage in STAGES}
+        extra["losses"] = {
+            stage: curves(options.runs / stage, ROOT / path) | {"picture": path} for stage, path in drawn.items()
+        }
     path.with_suffix(".json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
     engine = load("tm2t")
+    if "text2motion" in engine.config.parts:
+        sheet([(prompt, engine.generate(prompt, seed=1)) for prompt in PROMPTS], ROOT / SHEET)
     told = encoded.load()
     clips = [c for split in ("val", "test") for c in datasets.load(split) if c.action and len(c.motion) >= 20]
     sentences = [told.sentences[int(told.of(clip)[0])] for clip in clips]

@@ -43,6 +43,8 @@ class Assessment:
     """Mean distance of a joint of a held-out clip, as seen from its root, after tokens and back."""
     recognised: tuple[float, float]
     """Clips recognised as their action: after tokens and back, real."""
+    lost: dict[str, tuple[int, int]] = field(default_factory=dict)
+    """Action -> clips that are recognised only before tokens and back, and clips."""
     physics: dict[str, tuple[float, float]] = field(default_factory=dict)
     """Means: after tokens and back, real."""
     codes: int = 0
@@ -70,17 +72,23 @@ def assess(
     back = [engine.from_tokens(engine.tokens(motion).tolist()) for motion in real]
     recogniser, judge = evaluators.load("action"), co_embedding.load()
 
-    def right(motions: Sequence[Motion]) -> float:
+    def right(motions: Sequence[Motion]) -> np.ndarray:
         said = recogniser.recognise(motions)
-        return float(np.mean([name == clip.action for name, clip in zip(said, chosen, strict=True)]))
+        return np.array([name == clip.action for name, clip in zip(said, chosen, strict=True)])
 
+    kept, known = right(back), right(real)
+    names = np.array([clip.action or "" for clip in chosen])
     made = [found[0].sentence for found in engine.caption_many(real, count=1)]
     human = [str(sentences[place]) for place in places]
     fits, human_fits = judge.similarity(made, real), judge.similarity(human, real)
     return Assessment(
         clips=len(chosen),
         error=float(np.mean([_apart(a, b) for a, b in zip(back, real, strict=True)])),
-        recognised=(right(back), right(real)),
+        recognised=(float(kept.mean()), float(known.mean())),
+        lost={
+            str(name): (int((known & ~kept)[names == name].sum()), int((names == name).sum()))
+            for name in np.unique(names)
+        },
         physics={key: (_mean(back, key), _mean(real, key)) for key in PHYSICAL},
         codes=len({int(code) for motion in real for code in engine.tokens(motion)}),
         captions=[

@@ -26,3 +26,4 @@ def test_figures_are_of_the_clips_they_are_given() -> None:
     assert found.error > 0.01, "random weights do not give a motion back"
     assert 0 <= found.recognised[0] <= 1
     assert 1 <= found.codes <= 20
+    assert sum(count for _, count in found.lost.values()) == 2
