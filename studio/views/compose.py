@@ -290,17 +290,7 @@ def generate_button(session: Session) -> Generate:
         button, state, busy="generating", progress="generate_progress", error="generate_error", note="generate_note",
     )  # fmt: skip
     asked = ["request", "action", "prompt", "style", "frames", "count", "seed", "bone_scale", "best_of", "pinned"]
-    known = [
-        "as_long",
-        "length_known",
-        "actions",
-        "capabilities",
-        "engine_ready",
-        "generate_error",
-        "fps",
-        "max_frames",
-        "generate_rate",
-    ]
+    known = ["actions", "capabilities", "engine_ready", "generate_error", "fps", "max_frames", "generate_rate"]
 
     def show() -> dict[str, Any]:
         # an unknown action is named under its own field; here only what else stands in the way
